@@ -490,6 +490,67 @@ RAYMAP_API raymap_mesh* raymap_sparse_field_isosurface(const raymap_sparse_field
  * reads it as a field of all samples. Not in builds without files. */
 RAYMAP_API raymap_result raymap_sparse_field_write(const raymap_sparse_field* field, const char* path);
 
+/* ---- Scenes ---- */
+
+/* Bodies with rigid poses, and the signed distance of points of the world to their union. Bodies are numbered
+ * in the order in which they were added; removing one moves those after it down by one. raymap/scene.h says
+ * what distances, closest points and gradients are. Several threads may query a scene at the same time. */
+typedef struct raymap_scene raymap_scene;
+
+/* Returns a scene without bodies. */
+RAYMAP_API raymap_scene* raymap_scene_create(void);
+RAYMAP_API void raymap_scene_free(raymap_scene* scene);
+/* Adds a surface, a field or a narrow band after all other bodies. The scene refers to it: the caller frees
+ * it after the scene, or once it is removed. The name must not be taken. A pose is a rotation and a
+ * translation, 4 rows of 4 numbers that take the body's coordinates to those of the world, (x, y, z, 1) being
+ * a column; NULL = the same coordinates. Fails with RAYMAP_ERROR_USAGE if it is no rigid motion, within 1e-5.
+ */
+RAYMAP_API raymap_result raymap_scene_add_surface(raymap_scene* scene, const char* name,
+                                                  const raymap_surface* surface, const double pose[16]);
+RAYMAP_API raymap_result raymap_scene_add_field(raymap_scene* scene, const char* name,
+                                                const raymap_field* field, const double pose[16]);
+RAYMAP_API raymap_result raymap_scene_add_sparse_field(raymap_scene* scene, const char* name,
+                                                       const raymap_sparse_field* field,
+                                                       const double pose[16]);
+/* Removes a body. Fails with RAYMAP_ERROR_USAGE if there is none of this name. */
+RAYMAP_API raymap_result raymap_scene_remove(raymap_scene* scene, const char* name);
+/* Sets a body's pose, which costs nothing. Fails with RAYMAP_ERROR_USAGE if there is none of this name, or
+ * the pose is no rigid motion. */
+RAYMAP_API raymap_result raymap_scene_set_pose(raymap_scene* scene, const char* name, const double pose[16]);
+/* Returns the number of bodies; 0 for NULL. */
+RAYMAP_API size_t raymap_scene_size(const raymap_scene* scene);
+/* Finds the number of a body. Fails with RAYMAP_ERROR_USAGE if there is none of this name. */
+RAYMAP_API raymap_result raymap_scene_number(const raymap_scene* scene, const char* name, uint32_t* number);
+
+/* Poses of all bodies in many configurations, such as those of a robot along a trajectory. Initialise with
+ * RAYMAP_INIT. */
+typedef struct raymap_configurations {
+  size_t size;         /* sizeof(raymap_configurations) */
+  bool has_own_points; /* Whether the points are those of one configuration after the other, as many in each;
+                          else all configurations get the same points. */
+  const double* poses; /* Poses of the bodies, in their order, of one configuration after the other. */
+  size_t count;        /* Number of configurations. */
+} raymap_configurations;
+
+/* The caller's arrays for the results of a scene's query; NULL = not wanted. One value per point, of one
+ * configuration after the other. Initialise with RAYMAP_INIT. A point that is not finite gets NaN and the
+ * body UINT32_MAX. So does one at which a field has NaN. Without bodies, distances are infinite. */
+typedef struct raymap_scene_arrays {
+  size_t size;      /* sizeof(raymap_scene_arrays) */
+  double* distance; /* Signed distance of the union: the least of the distances to the bodies. */
+  uint32_t* body;   /* Number of the body that has it; of several, the lowest. */
+  double* closest;  /* Closest point of that body, in the world: x, y, z. */
+  double* gradient; /* Unit vector that leads away from the solid, in the world: x, y, z; 0 on the surface. */
+  double* distances; /* Distances to all bodies: as many per point as bodies. All are then queried. */
+} raymap_scene_arrays;
+
+/* Fills the arrays. `points` are x, y, z of each, `count` of them. The configurations may be NULL for the
+ * scene's own poses. Of the options, only "threads" and the progress callback count; they may be NULL. After
+ * a failure the arrays are unchanged. */
+RAYMAP_API raymap_result raymap_scene_query(const raymap_scene* scene, const double* points, size_t count,
+                                            const raymap_configurations* configurations,
+                                            const raymap_options* options, const raymap_scene_arrays* arrays);
+
 /* ---- Inspection ---- */
 
 /* Size, topology and defects of a mesh, the faces that cross, and a verdict. */

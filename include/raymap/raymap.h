@@ -29,6 +29,7 @@
 #include <raymap/repair.h>
 #include <raymap/sample.h>
 #include <raymap/sample_points.h>
+#include <raymap/scene.h>
 #include <raymap/simplify.h>
 #include <raymap/sparse_field.h>
 #include <raymap/surface.h>

@@ -81,6 +81,12 @@ class RAYMAP_API Surface {
                                    const MachineOptions& machine = {}) const;
 
  private:
+  friend class Scene;
+
+  /// Returns how far from the bounds of the mesh a point may still be inside: 0 for a mesh without boundary
+  /// edges, and without a sign. A point that is farther away is outside.
+  double insideReach() const;
+
   struct Impl;
   std::unique_ptr<Impl> impl_;
 };

@@ -49,6 +49,7 @@ from ._repair import (
     simplify,
 )
 from ._samples import Sampler, Samples, sample_points
+from ._scene import NO_BODY, Scene, SceneQuery
 from ._sparse import SparseField
 from ._surface import (
     Closest,
@@ -76,6 +77,7 @@ else:
 __version__ = _version()
 
 __all__ = [
+    "NO_BODY",
     "NO_TRIANGLE",
     "Animation",
     "Cancelled",
@@ -102,6 +104,8 @@ __all__ = [
     "Repaired",
     "Sampler",
     "Samples",
+    "Scene",
+    "SceneQuery",
     "Simplified",
     "SimplifyReport",
     "SparseField",

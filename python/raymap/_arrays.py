@@ -109,3 +109,25 @@ def to_points(points: Any, *, keep_single: bool = False) -> tuple[npt.NDArray[An
         raise InputError(f"points must be numbers, not {array.dtype}")
     dtype = np.float32 if keep_single and array.dtype == np.float32 else np.float64
     return np.ascontiguousarray(array.reshape(-1, 3), dtype=dtype), array.shape
+
+
+def as_precise(result: Any, points: Any) -> npt.NDArray[Any]:
+    """Returns a result of float64 as float32 if the points are float32, else as it is."""
+    single = result.dtype == np.float64 and to_numpy(points).dtype == np.float32
+    return np.asarray(result, np.float32 if single else None)
+
+
+def to_poses(name: str, poses: Any, shape: tuple[int, ...]) -> npt.NDArray[np.float64]:
+    """Returns poses as (n, 4, 4) float64. ``shape`` is what they must have; -1 is any number of configurations.
+
+    Raises:
+        InputError: Poses of another shape, or no numbers.
+    """
+    array = to_numpy(poses)
+    free = shape[0] < 0 and array.ndim == len(shape)
+    if array.shape != (array.shape[:1] + shape[1:] if free else shape):
+        text = ", ".join("configurations" if length < 0 else str(length) for length in shape)
+        raise InputError(f"{name} must be ({text}) numbers, not of the shape {array.shape}")
+    if array.dtype.kind not in "fiub":
+        raise InputError(f"{name} must be numbers, not {array.dtype}")
+    return np.ascontiguousarray(array, np.float64).reshape(-1, 4, 4)

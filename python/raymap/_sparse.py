@@ -266,6 +266,11 @@ class SparseField(GridField):
         return _restore, (*placement, self.origins, self.tile_origins, self.tile_sides, arrays)
 
 
+def core_of_sparse(field: SparseField) -> _raymap.SparseField:
+    """Returns the narrow band as the extension module takes it."""
+    return field._core
+
+
 def sparse_of_core(core: _raymap.SparseField) -> SparseField:
     """Returns the field that the extension module has made."""
     made = SparseField.__new__(SparseField)

@@ -177,25 +177,42 @@ class Surface:
         with reporting(progress) as report:
             self._core = _raymap.Surface(mesh, options, orientation, machine, report)
         self._stats: Stats = self._core.stats()  # type: ignore[assignment]
+        self._scene: _raymap.Scene | None = None  # Of this surface alone, for ``signed_distance``.
 
     @overload
-    def signed_distance(self, points: Singles, **options: Unpack[CallOptions]) -> Singles: ...
+    def signed_distance(
+        self, points: Singles, *, transform: npt.ArrayLike | None = None, **options: Unpack[CallOptions]
+    ) -> Singles: ...
     @overload
-    def signed_distance(self, points: Points, **options: Unpack[CallOptions]) -> Doubles: ...
+    def signed_distance(
+        self, points: Points, *, transform: npt.ArrayLike | None = None, **options: Unpack[CallOptions]
+    ) -> Doubles: ...
     @overload
-    def signed_distance(self, points: Any, **options: Unpack[CallOptions]) -> Any: ...
-    def signed_distance(self, points: Any, *, threads: int | None = None, progress: Progress = None) -> Any:
+    def signed_distance(
+        self, points: Any, *, transform: npt.ArrayLike | None = None, **options: Unpack[CallOptions]
+    ) -> Any: ...
+    def signed_distance(
+        self,
+        points: Any,
+        *,
+        transform: npt.ArrayLike | None = None,
+        threads: int | None = None,
+        progress: Progress = None,
+    ) -> Any:
         """Returns distances at points, (...) for points (..., 3), negative inside, in the mesh's units.
 
         A surface without a sign returns distances that are not negative. Points that are not finite get NaN.
 
         Args:
             points: Positions in the mesh's units, (..., 3).
+            transform: Pose of the mesh, (4, 4): a rotation and a translation that take the mesh's coordinates to those
+                of the points. None = they are the same. ``raymap.Scene`` has many bodies with poses.
             threads: Number of CPU threads; None = ``raymap.get_threads()``.
             progress: A callable that receives a stage and its share, 0 to 1; True to show it.
 
         Raises:
-            InputError: Points of another shape.
+            UsageError: ``transform`` is no rigid motion.
+            InputError: Points or a transform of another shape.
             MemoryLimitError: The results do not fit into memory.
             Cancelled: ``progress`` returned False.
 
@@ -203,7 +220,17 @@ class Surface:
         >>> surface.signed_distance(np.array([(0.25, 0.25, 0.125), (0.25, 0.25, -1)], np.float32))
         array([-0.125,  1.   ], dtype=float32)
         """
-        return self.query(points, threads=threads, progress=progress).distance
+        if transform is None:
+            return self.query(points, threads=threads, progress=progress).distance
+        rows, (flat, shape) = _arrays.to_poses("transform", transform, (4, 4)), _arrays.to_points(points)
+        if self._scene is None:
+            scene = _raymap.Scene()
+            scene.add("surface", self._core, np.eye(4).reshape(1, 4, 4))
+            self._scene = scene
+        machine = to_machine("cpu", threads)
+        with reporting(progress) as report:
+            found = self._scene.query_many(flat, rows, 1, False, _raymap.SceneOptions(), machine, report)
+        return _arrays.like(_arrays.as_precise(found["distance"], points).reshape(shape[:-1]), points)
 
     @overload
     def contains(self, points: Points, **options: Unpack[CallOptions]) -> npt.NDArray[np.bool_]: ...

@@ -99,6 +99,7 @@ void bindMesh(nb::module_& module);
 void bindRender(nb::module_& module);
 void bindRepair(nb::module_& module);
 void bindSamplePoints(nb::module_& module);
+void bindScene(nb::module_& module);
 void bindSparseField(nb::module_& module);
 void bindSurface(nb::module_& module);
 

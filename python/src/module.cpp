@@ -34,6 +34,7 @@ NB_MODULE(_raymap, module) {
   bindIsosurface(module);
   bindSparseField(module);
   bindSurface(module);
+  bindScene(module);
   bindSamplePoints(module);
   bindMeasure(module);
   bindRepair(module);

@@ -33,6 +33,18 @@ def test_walk_without_a_display(tmp_path: Path) -> None:
     check_facts(ended.stdout)
 
 
+def test_an_arm_keeps_away(tmp_path: Path) -> None:
+    image = load("matplotlib.image")
+    environment = os.environ | {"MPLBACKEND": "agg"}
+    ended = subprocess.run(
+        [sys.executable, ROOT / "examples/python/arm.py", tmp_path], env=environment, capture_output=True, text=True
+    )
+    assert ended.returncode == 0, ended.stderr
+    assert number("straight path: least distance", ended.stdout) < 0
+    assert number("away from the ball: least distance", ended.stdout) > 0.08
+    assert image.imread(tmp_path / "arm.png")[..., :3].std() > 0.02
+
+
 def check_facts(printed: str) -> None:
     """Checks what the walk says against the shape: a tube around a curve, by Pappus' theorem."""
     t = np.linspace(0, 2 * np.pi, 10_001)

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <string>
 
 #include "api/field_warnings.h"
@@ -14,6 +15,7 @@
 #include "cpu/points/narrow_band.h"
 #include "cpu/points/point_query.h"
 #include "cpu/points/region.h"
+#include "mesh/triangle.h"
 
 namespace raymap {
 
@@ -205,6 +207,20 @@ Generated Surface::generate(const Grid& grid, const FieldOptions& asked,
 
 bool Surface::isSigned() const {
   return impl_->prepared.isSigned;
+}
+
+double Surface::insideReach() const {
+  const cpu::PreparedSurface& prepared = impl_->prepared;
+  if (!prepared.isSigned || prepared.lattice.isWhole()) return 0.0;
+  const PackedMesh& mesh = prepared.mesh;
+  double area = 0.0;
+  for (const glm::uvec3& face : mesh.triangles) {
+    const auto [a, b, c] = mesh.corners(face);
+    area += triangleArea(a, b, c);
+  }
+  // At a distance d from all faces, the winding number is at most area / 4 pi d^2. Half of the threshold
+  // leaves room for what approximate numbers are wrong by.
+  return std::sqrt(area / (2.0 * std::numbers::pi * prepared.threshold));
 }
 
 MeshView Surface::mesh() const {

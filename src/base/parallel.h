@@ -50,12 +50,13 @@ void parallelWorkers(size_t count, Work&& work) {
   parallelFor(std::min(parallelThreads(), count), 1, [&](size_t, size_t) { work(next); });
 }
 
-/// Returns the numbers below `count` for which `isWanted(number)` holds, ascending.
+/// Returns the numbers below `count` for which `isWanted(number)` holds, ascending. A thread tests `grain` of
+/// them at a time.
 template <class Predicate>
-std::vector<uint32_t> parallelSelect(size_t count, Predicate&& isWanted) {
-  std::vector<std::vector<uint32_t>> parts((count + kCheapGrain - 1) / kCheapGrain);
+std::vector<uint32_t> parallelSelect(size_t count, Predicate&& isWanted, size_t grain = kCheapGrain) {
+  std::vector<std::vector<uint32_t>> parts((count + grain - 1) / grain);
   parallelFor(parts.size(), 1, [&](size_t part, size_t) {
-    for (size_t k = part * kCheapGrain; k < std::min((part + 1) * kCheapGrain, count); ++k)
+    for (size_t k = part * grain; k < std::min((part + 1) * grain, count); ++k)
       if (isWanted(uint32_t(k))) parts[part].push_back(uint32_t(k));
   });
   std::vector<uint32_t> selected;

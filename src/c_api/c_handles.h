@@ -8,9 +8,11 @@
 #include <raymap/generate.h>
 #include <raymap/picture.h>
 #include <raymap/repair.h>
+#include <raymap/scene.h>
 #include <raymap/surface.h>
 #include <raymap/verdict.h>
 
+#include <algorithm>
 #include <exception>
 #include <limits>
 #include <memory>
@@ -45,6 +47,10 @@ struct raymap_surface {
   explicit raymap_surface(raymap::Surface made) : surface(std::move(made)) {}
 
   raymap::Surface surface;
+};
+
+struct raymap_scene {
+  raymap::Scene scene;
 };
 
 struct raymap_inspection {
@@ -164,6 +170,15 @@ inline glm::dvec3 vectorOf(const double (&numbers)[3]) {
 
 inline void copyVector(const glm::dvec3& from, double* to) {
   for (int a = 0; a < 3; ++a) to[a] = from[a];
+}
+
+/// Copies an array to the caller's, unless that is null.
+template <class T>
+void copyTo(T* to, const Buffer<T>& from) {
+  if (to) std::ranges::copy(from, to);
+}
+inline void copyTo(double* to, const Buffer<glm::dvec3>& from) {
+  for (size_t i = 0; to && i < from.size(); ++i) copyVector(from[i], to + 3 * i);
 }
 
 /// Returns the name of an enum's value. Names are literals, so they end with a zero.

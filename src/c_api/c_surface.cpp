@@ -3,7 +3,6 @@
 #include <raymap/c.h>
 #include <raymap/sample_points.h>
 
-#include <algorithm>
 #include <span>
 #include <vector>
 
@@ -11,20 +10,12 @@
 #include "c_api/c_struct.h"
 
 using namespace raymap;
+using raymap::c::copyTo;
 using raymap::c::create;
 using raymap::c::guard;
 using raymap::c::need;
 
 namespace {
-
-void copyTo(double* to, const Buffer<glm::dvec3>& from) {
-  for (size_t i = 0; to && i < from.size(); ++i) c::copyVector(from[i], to + 3 * i);
-}
-
-template <class T>
-void copyTo(T* to, const Buffer<T>& from) {
-  if (to) std::ranges::copy(from, to);
-}
 
 SamplePointsOptions sampleOptions(size_t count, const raymap_sample_points_options* how) {
   const raymap_sample_points_options given = c::read(how);

@@ -16,7 +16,7 @@
 
 namespace raymap {
 
-struct Scene;
+struct DrawnScene;
 
 /// Open device, with the memory that it keeps between runs.
 class GpuDevice {
@@ -26,7 +26,7 @@ class GpuDevice {
   /// again after an error for which `isOfTheDevice` returns true.
   virtual void generate(const Job& job, Stats& stats) = 0;
   /// Draws the scene into the picture, whose size is set.
-  virtual void draw(const Scene& scene, Progress& progress, Picture& picture) = 0;
+  virtual void draw(const DrawnScene& scene, Progress& progress, Picture& picture) = 0;
 };
 
 /// Receives what a test of a device does.

@@ -24,7 +24,7 @@ namespace raymap {
 
 namespace {
 
-void drawOnCpu(const Scene& scene, Progress& progress, Picture& picture) {
+void drawOnCpu(const DrawnScene& scene, Progress& progress, Picture& picture) {
   std::atomic<int> rows{0};
   parallelFor(size_t(picture.height), 1, [&](size_t y, size_t) {
     for (int x = 0; x < picture.width; ++x) setPixel(picture, x, int(y), cpu::pixelColour(scene, x, int(y)));
@@ -34,7 +34,7 @@ void drawOnCpu(const Scene& scene, Progress& progress, Picture& picture) {
 
 }  // namespace
 
-Picture renderScene(const Scene& scene, const RenderOptions& options, const MachineOptions& machine) {
+Picture renderScene(const DrawnScene& scene, const RenderOptions& options, const MachineOptions& machine) {
   Picture picture = makePicture(options.width, options.height);
   Progress progress(machine.progress);
   const auto draw = [&] {
@@ -74,7 +74,7 @@ Picture renderField(const Field& field, const RenderOptions& options, const Mach
       other = resampled(*options.other, field.grid);
       alike.other = &other;
     }
-    picture = renderScene(Scene(field, alike), alike, machine);
+    picture = renderScene(DrawnScene(field, alike), alike, machine);
   });
   return picture;
 }
@@ -88,7 +88,7 @@ Picture renderField(const SparseField& band, const RenderOptions& options, const
   MachineOptions onCpu = machine;
   onCpu.device = "cpu";
   Picture picture;
-  withThreads(machine.threads, [&] { picture = renderScene(Scene(band, options), options, onCpu); });
+  withThreads(machine.threads, [&] { picture = renderScene(DrawnScene(band, options), options, onCpu); });
   return picture;
 }
 

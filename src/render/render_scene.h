@@ -8,7 +8,7 @@
 namespace raymap {
 
 /// Draws a scene as `renderField` does.
-Picture renderScene(const Scene& scene, const RenderOptions& options, const MachineOptions& machine);
+Picture renderScene(const DrawnScene& scene, const RenderOptions& options, const MachineOptions& machine);
 
 /// Throws `Error` unless an array has a finite number per sample: Usage if it has another count, else Input.
 void checkNumbers(const Field& field, FieldArray array);

@@ -57,7 +57,7 @@ std::string escaped(std::string_view text) {
   return safe;
 }
 
-Json describeScene(const Scene& scene) {
+Json describeScene(const DrawnScene& scene) {
   const RenderSceneData data = describe(scene);
   return {{"eye", toJson(data.eye)},
           {"forward", toJson(data.forward)},
@@ -279,7 +279,7 @@ std::string figuresOfAll(const Field& field, const Grid& grid, const PageOptions
 Page assemble(const Field& field, const Field& shown, const Field* other, const RenderOptions& view,
               const PageOptions& options, const MachineOptions& machine) {
   const Grid& grid = shown.grid;
-  const Scene scene(shown, view);
+  const DrawnScene scene(shown, view);
   double largest = largestOf(shown.distance, grid.spacing);
   if (other) largest = std::max(largest, largestOf(other->distance, grid.spacing));
   const Json stops = distanceStops(std::min(scene.shape.depth(), kFarthestRay), largest);

@@ -37,7 +37,7 @@ void move(const GridMotion& motion, RenderShape& shape, RenderSceneData& scene) 
   plane(scene.sliceNormal, scene.sliceOffset);
 }
 
-RenderSceneData describe(const Scene& scene) {
+RenderSceneData describe(const DrawnScene& scene) {
   const Camera& camera = scene.camera;
   return {.eye = camera.eye(),
           .right = camera.right(),
@@ -63,7 +63,7 @@ RenderSceneData describe(const Scene& scene) {
           .outside = {kOutside[0], kOutside[1], kOutside[2]}};
 }
 
-RenderColours describeColours(const Scene& scene) {
+RenderColours describeColours(const DrawnScene& scene) {
   RenderColours colours{};
   if (!scene.numbers) return colours;
   const Colouring& colouring = scene.numbers->colouring();

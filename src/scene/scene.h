@@ -54,9 +54,9 @@ class ShownNumbers {
 
 /// Contents of a picture, to be drawn on any device. One round light and a sky light the shape. A bright
 /// floor shows only the shadow.
-struct Scene {
+struct DrawnScene {
   /// Throws as `renderField` does. Of a narrow band, only distances can be shown.
-  Scene(DrawnField field, const RenderOptions& options)
+  DrawnScene(DrawnField field, const RenderOptions& options)
       : up(unitVector(options.up, "up vector")),
         shape(std::move(field), options),
         camera(options, shape),
@@ -91,7 +91,7 @@ void move(const GridMotion& motion, RenderShape& shape, RenderSceneData& scene);
 
 /// Returns what shaders need of a shape, and of all else.
 RenderShape describe(const Shape& shape);
-RenderSceneData describe(const Scene& scene);
-RenderColours describeColours(const Scene& scene);
+RenderSceneData describe(const DrawnScene& scene);
+RenderColours describeColours(const DrawnScene& scene);
 
 }  // namespace raymap

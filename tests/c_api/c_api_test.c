@@ -294,6 +294,84 @@ static void test_surface(void) {
   raymap_mesh_free(mesh);
 }
 
+/* The tetrahedron, and its field beside it: 20 farther along x. */
+static void test_scene(void) {
+  raymap_mesh* mesh = make_tetrahedron();
+  raymap_surface* surface = raymap_surface_create(mesh, NULL);
+  raymap_options* options = on_cpu();
+  raymap_grid_options size = RAYMAP_INIT(raymap_grid_options);
+  size.resolution = 24;
+  raymap_grid grid;
+  CHECK(raymap_fit_grid(mesh, &size, &grid) == RAYMAP_OK);
+  raymap_field* field = raymap_generate(mesh, &grid, options);
+  raymap_sparse_field* band = raymap_field_to_sparse(field, NULL, NULL);
+  const double beside[16] = {1, 0, 0, 20, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
+  const double turned[16] = {0, -1, 0, 40, 1, 0, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
+
+  raymap_scene* scene = raymap_scene_create();
+  CHECK(raymap_scene_size(scene) == 0 && raymap_scene_size(NULL) == 0);
+  CHECK(raymap_scene_add_surface(scene, "surface", surface, NULL) == RAYMAP_OK);
+  CHECK(raymap_scene_add_field(scene, "field", field, beside) == RAYMAP_OK);
+  CHECK(raymap_scene_add_sparse_field(scene, "band", band, turned) == RAYMAP_OK);
+  uint32_t number = 0;
+  CHECK(raymap_scene_number(scene, "band", &number) == RAYMAP_OK && number == 2);
+  CHECK_FAILS(raymap_scene_number(scene, "arm", &number), RAYMAP_ERROR_USAGE, "no body 'arm'");
+  CHECK_FAILS(raymap_scene_add_surface(scene, "band", surface, NULL), RAYMAP_ERROR_USAGE, "a body 'band'");
+  CHECK_FAILS(raymap_scene_add_surface(scene, NULL, surface, NULL), RAYMAP_ERROR_USAGE, "the name is NULL");
+  CHECK_FAILS(raymap_scene_add_field(scene, "x", NULL, NULL), RAYMAP_ERROR_USAGE, "the field is NULL");
+  CHECK(raymap_scene_remove(scene, "band") == RAYMAP_OK && raymap_scene_size(scene) == 2);
+
+  const double points[2][3] = {{2, 2, 2}, {22, 2, 2}};
+  double distance[4], closest[4][3], gradient[4][3], distances[4][2];
+  uint32_t body[4];
+  raymap_scene_arrays arrays = RAYMAP_INIT(raymap_scene_arrays);
+  arrays.distance = distance;
+  arrays.body = body;
+  arrays.closest = &closest[0][0];
+  arrays.gradient = &gradient[0][0];
+  arrays.distances = &distances[0][0];
+  CHECK(raymap_scene_query(scene, &points[0][0], 2, NULL, options, &arrays) == RAYMAP_OK);
+  CHECK(fabs(distance[0] - sqrt(3.0)) < 1e-6 && body[0] == 0 && body[1] == 1);
+  CHECK(distances[0][0] == distance[0] && distances[0][1] > 10.0 && distances[1][1] == distance[1]);
+  for (int a = 0; a < 3; ++a)
+    CHECK(fabs(closest[0][a] - 1.0) < 1e-6 && fabs(gradient[0][a] - sqrt(1.0 / 3.0)) < 1e-6);
+
+  double poses[2][2][16]; /* In the first configuration, both change places. */
+  memcpy(poses[0][0], beside, sizeof beside);
+  CHECK(raymap_scene_set_pose(scene, "field", beside) == RAYMAP_OK);
+  memcpy(poses[1][1], beside, sizeof beside);
+  for (int k = 0; k < 16; ++k) poses[0][1][k] = poses[1][0][k] = k % 5 == 0;
+  raymap_configurations both = RAYMAP_INIT(raymap_configurations);
+  both.poses = &poses[0][0][0];
+  both.count = 2;
+  double found[4];
+  arrays = RAYMAP_INIT(raymap_scene_arrays);
+  arrays.distance = found;
+  arrays.body = body;
+  CHECK(raymap_scene_query(scene, &points[0][0], 2, &both, options, &arrays) == RAYMAP_OK);
+  CHECK(body[0] == 1 && body[1] == 0 && body[2] == 0 && body[3] == 1);
+  CHECK(found[2] == distance[0] && found[3] == distance[1]);
+  both.has_own_points = true;
+  CHECK(raymap_scene_query(scene, &points[0][0], 2, &both, options, &arrays) == RAYMAP_OK);
+  CHECK(body[0] == 1 && body[1] == 1 && found[1] == distance[1]);
+  poses[1][1][15] = 2.0;
+  CHECK_FAILS(raymap_scene_query(scene, &points[0][0], 2, &both, NULL, &arrays), RAYMAP_ERROR_USAGE,
+              "the pose of body 'field' in configuration 1 is no rigid motion");
+  CHECK_FAILS(raymap_scene_set_pose(scene, "field", poses[1][1]), RAYMAP_ERROR_USAGE, "the last row");
+  both.poses = NULL;
+  CHECK_FAILS(raymap_scene_query(scene, &points[0][0], 2, &both, NULL, &arrays), RAYMAP_ERROR_USAGE,
+              "the array of poses is NULL");
+  CHECK_FAILS(raymap_scene_query(NULL, &points[0][0], 2, NULL, NULL, &arrays), RAYMAP_ERROR_USAGE,
+              "the scene is NULL");
+  raymap_scene_free(scene);
+  raymap_scene_free(NULL);
+  raymap_sparse_field_free(band);
+  raymap_field_free(field);
+  raymap_options_free(options);
+  raymap_surface_free(surface);
+  raymap_mesh_free(mesh);
+}
+
 /* A narrow band in C, with the triangles: leaves, tiles, widths, and what is made of it. */
 static void test_band(const char* folder) {
   raymap_mesh* mesh = make_tetrahedron();
@@ -1083,6 +1161,7 @@ int main(int argc, char** argv) {
   test_grid_options();
   test_field();
   test_surface();
+  test_scene();
   test_band(argc > 1 ? argv[1] : ".");
   test_band_widths();
   test_region();

@@ -61,7 +61,7 @@ class CountingGpu {
       std::fill(job.field.distance.begin(), job.field.distance.end(), 1.0f);
       job.field.distance[job.grid.index(job.grid.dims / 2)] = -1.0f;
     }
-    void draw(const Scene&, Progress&, Picture&) override {}
+    void draw(const DrawnScene&, Progress&, Picture&) override {}
   };
 
   static std::vector<DeviceInfo> list() {

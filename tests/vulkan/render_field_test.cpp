@@ -32,7 +32,7 @@ class VulkanRender : public VulkanTest {
     Picture picture{options.width, options.height,
                     std::vector<uint8_t>(3 * size_t(options.width) * size_t(options.height))};
     Progress progress(callback);
-    drawScene(device(), Scene(field, options), progress, picture);
+    drawScene(device(), DrawnScene(field, options), progress, picture);
     EXPECT_EQ(device().guards()->damaged(), "");
     return picture;
   }
@@ -107,7 +107,7 @@ TEST_F(VulkanRender, AFieldThatIsOnTheDevice) {
   pixels.resize<uint32_t>(120 * 90);
   depth.resize<float>(120 * 90);
   const Field elsewhere{.grid = field.grid};
-  const Scene scene(elsewhere, options);
+  const DrawnScene scene(elsewhere, options);
   RenderFieldStage stage(device());
   run([&](Commands& commands) {
     stage.recordScene(commands, scene, 120, 90, {});

@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
-#include <cstring>
 #include <limits>
 
 #include "base/morton.h"
@@ -14,6 +13,7 @@
 #include "cpu/points/closest_point.h"
 #include "cpu/points/nearest_triangles.h"
 #include "cpu/points/point_cells.h"
+#include "method/points_view.h"
 
 namespace raymap::cpu {
 
@@ -30,20 +30,6 @@ constexpr size_t kMostAtOnce = 4096, kFewestAtOnce = 256, kFewestSparseAtOnce = 
 /// Points farther from the grid than this many times its size are searched by themselves: the precision of a
 /// search is that of its farthest point.
 constexpr float kFar = 4.0f;
-
-const std::byte* bytesAt(const PointsView& view, size_t i) {
-  return static_cast<const std::byte*>(view.data) + i * view.stride;
-}
-
-glm::dvec3 pointAt(const PointsView& view, size_t i) {
-  const std::byte* bytes = bytesAt(view, i);
-  const auto read = [&]<class S>(S) {
-    S p[3];
-    std::memcpy(p, bytes, sizeof(p));
-    return glm::dvec3(p[0], p[1], p[2]);
-  };
-  return view.scalar == Scalar::Float ? read(float{}) : read(double{});
-}
 
 /// Some points of a query, sorted along a curve.
 class Batch {

@@ -10,7 +10,7 @@ namespace raymap::cpu {
 namespace {
 
 /// Returns the share of light that the shape leaves on the floor, for a ray that misses the shape.
-double floorShade(const Scene& scene, const Ray& ray) {
+double floorShade(const DrawnScene& scene, const Ray& ray) {
   const double down = -glm::dot(ray.direction, scene.up);
   const double t = (glm::dot(ray.origin, scene.up) - scene.camera.floor()) / down;
   if (!(down > 1e-6) || !(t > 0.0) || !std::isfinite(t)) return 1.0;
@@ -22,7 +22,7 @@ double floorShade(const Scene& scene, const Ray& ray) {
 
 /// Returns the colour of the cut face. It is drawn like a slice, without lights, and is only darkened by
 /// occlusion.
-Colour cutFace(const Scene& scene, const glm::dvec3& p, const glm::dvec3& n, double t) {
+Colour cutFace(const DrawnScene& scene, const glm::dvec3& p, const glm::dvec3& n, double t) {
   const double d = scene.shape.fieldDistance(p);
   const Colour ground = distanceColour(std::min(d, -1e-9), scene.shape.depth());
   return (kCutOccluded + kCutSky * ambientOpenness(scene.shape, p, n)) *
@@ -32,7 +32,7 @@ Colour cutFace(const Scene& scene, const glm::dvec3& p, const glm::dvec3& n, dou
 
 /// Returns the colour of a number at a point inside. `pixel` is a pixel's size there. Lines lie half a step
 /// off zero: large regions have whole numbers.
-Colour numberColour(const Scene& scene, const glm::dvec3& p, double pixel) {
+Colour numberColour(const DrawnScene& scene, const glm::dvec3& p, double pixel) {
   const ShownNumbers& numbers = *scene.numbers;
   const Colouring& colouring = numbers.colouring();
   const double number = numbers.at(p);
@@ -49,7 +49,7 @@ Colour numberColour(const Scene& scene, const glm::dvec3& p, double pixel) {
   return drawContour(ground, scene.shape.fieldDistance(p), pixel, kContour);
 }
 
-Colour surface(const Scene& scene, const Ray& ray, double t) {
+Colour surface(const DrawnScene& scene, const Ray& ray, double t) {
   const glm::dvec3 p = ray.origin + t * ray.direction;
   const glm::dvec3 n = scene.shape.normal(p);
   if (scene.shape.isOnCutFace(p))
@@ -71,7 +71,7 @@ Colour surface(const Scene& scene, const Ray& ray, double t) {
 }
 
 /// Returns the distance along a ray to where it meets the slice inside the grid, or nothing.
-std::optional<double> traceSlice(const Scene& scene, const Ray& ray) {
+std::optional<double> traceSlice(const DrawnScene& scene, const Ray& ray) {
   if (!scene.slice) return {};
   const double across = glm::dot(ray.direction, scene.slice->normal);
   const double t = (scene.slice->offset - glm::dot(ray.origin, scene.slice->normal)) / across;
@@ -82,7 +82,7 @@ std::optional<double> traceSlice(const Scene& scene, const Ray& ray) {
   return t;
 }
 
-Colour sliceColour(const Scene& scene, const glm::dvec3& p, double slope) {
+Colour sliceColour(const DrawnScene& scene, const glm::dvec3& p, double slope) {
   if (scene.numbers) return numberColour(scene, p, slope);
   const double d = scene.shape.fieldDistance(p);
   const Colour ground = distanceColour(d, d < 0.0 ? scene.shape.depth() : scene.shape.radius());
@@ -90,7 +90,7 @@ Colour sliceColour(const Scene& scene, const glm::dvec3& p, double slope) {
 }
 
 /// Returns the light along a ray. `y` is the ray's row in the picture.
-Colour light(const Scene& scene, const Ray& ray, double y) {
+Colour light(const DrawnScene& scene, const Ray& ray, double y) {
   const std::optional<double> t = trace(scene.shape, ray), slice = traceSlice(scene, ray);
   if (slice && !(t && *t <= *slice))
     return sliceColour(scene, ray.origin + *slice * ray.direction, *slice * scene.camera.pixelAngle());
@@ -100,7 +100,7 @@ Colour light(const Scene& scene, const Ray& ray, double y) {
 
 }  // namespace
 
-Colour pixelColour(const Scene& scene, int x, int y) {
+Colour pixelColour(const DrawnScene& scene, int x, int y) {
   Colour sum(0.0);
   for (const glm::dvec2& s : kSubPixels) sum += light(scene, scene.camera.ray(x + s.x, y + s.y), y + s.y);
   return 0.25 * sum;

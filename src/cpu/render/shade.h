@@ -5,6 +5,6 @@
 namespace raymap::cpu {
 
 /// Returns the colour of a pixel.
-Colour pixelColour(const Scene& scene, int x, int y);
+Colour pixelColour(const DrawnScene& scene, int x, int y);
 
 }  // namespace raymap::cpu

@@ -46,9 +46,9 @@ struct Node {
   int height = 0;  ///< How deeply components are nested in it.
 };
 
-class Scene {
+class Scene3mf {
  public:
-  explicit Scene(ZipParts& parts) : parts_(parts), root_(findRoot(parts)) {
+  explicit Scene3mf(ZipParts& parts) : parts_(parts), root_(findRoot(parts)) {
     readParts();
     for (const auto& [name, part] : models_)
       for (const auto& [id, object] : part.objects) nodes_[{name, id}].object = &object;
@@ -177,7 +177,7 @@ std::string partName(const ZipParts& parts, std::string_view path) {
 
 Mesh read3mf(const MeshFile& file) {
   ZipParts parts(file);
-  return Scene(parts).mesh();
+  return Scene3mf(parts).mesh();
 }
 
 }  // namespace raymap

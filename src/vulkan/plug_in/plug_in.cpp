@@ -30,7 +30,7 @@ class OpenDevice final : public GpuDevice {
     describeMesh(*backend_, job.grid, stats);
   }
 
-  void draw(const Scene& scene, Progress& progress, Picture& picture) override {
+  void draw(const DrawnScene& scene, Progress& progress, Picture& picture) override {
     device_.limitMemory(UINT64_MAX);
     drawScene(device_, scene, progress, picture);
   }

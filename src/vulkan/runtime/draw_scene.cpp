@@ -67,7 +67,7 @@ void take(std::span<const uint32_t> pixels, Picture& picture) {
 
 }  // namespace
 
-void drawScene(Device& device, const Scene& scene, Progress& progress, Picture& picture) {
+void drawScene(Device& device, const DrawnScene& scene, Progress& progress, Picture& picture) {
   const Field& field = *scene.shape.field().dense();
   RenderFieldStage stage(device);
   stage.checkScene(scene);

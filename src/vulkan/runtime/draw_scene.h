@@ -7,7 +7,7 @@
 #include "base/progress.h"
 
 namespace raymap {
-struct Scene;
+struct DrawnScene;
 }
 
 namespace raymap::vulkan {
@@ -15,6 +15,6 @@ namespace raymap::vulkan {
 class Device;
 
 /// Draws a picture of the size of `picture`. Throws `Error`: Unsupported, Memory, DeviceLost, Cancelled.
-void drawScene(Device& device, const Scene& scene, Progress& progress, Picture& picture);
+void drawScene(Device& device, const DrawnScene& scene, Progress& progress, Picture& picture);
 
 }  // namespace raymap::vulkan

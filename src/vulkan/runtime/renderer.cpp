@@ -67,7 +67,7 @@ void Renderer::record(VkCommandBuffer commands, const FieldBuffer& field, const 
   } else if (options.array != FieldArray::Distance) {
     throw Error(ErrorCode::Usage, "drawing an array in colour needs a buffer of its numbers");
   }
-  const Scene scene(elsewhere, shown);
+  const DrawnScene scene(elsewhere, shown);
   impl_->stage.checkScene(scene);
   Commands work(commands, impl_->device.pipelineLayout(), nullptr);
   waitForAll(commands);

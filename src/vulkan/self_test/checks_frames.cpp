@@ -186,7 +186,7 @@ void checkRenderField(Subject& subject) {
   const auto compare = [&](const std::string& name, const Field& field, RenderOptions options) {
     options.width = 80;
     options.height = 60;
-    const Scene scene(field, options);
+    const DrawnScene scene(field, options);
     Picture ours = makePicture(options.width, options.height), theirs = ours;
     Progress progress;
     drawScene(subject.probe.device(), scene, progress, ours);

@@ -25,7 +25,7 @@ RenderFieldStage::RenderFieldStage(Device& device)
 
 /// Per sample of the ball's radius, a ray takes up to 40 steps to meet or miss the shape, and 10 more to the
 /// light. Both cross the ball around the shape.
-void RenderFieldStage::checkScene(const Scene& scene) const {
+void RenderFieldStage::checkScene(const DrawnScene& scene) const {
   const size_t count = scene.shape.field().grid().sampleCount();
   if (count > size_t{std::numeric_limits<int32_t>::max()})
     throw Error(ErrorCode::Unsupported, "the field has " + std::to_string(count) +
@@ -40,7 +40,7 @@ void RenderFieldStage::checkScene(const Scene& scene) const {
                                             ", draw it on the CPU");
 }
 
-void RenderFieldStage::recordScene(Commands& commands, const Scene& scene, int width, int height,
+void RenderFieldStage::recordScene(Commands& commands, const DrawnScene& scene, int width, int height,
                                    const GridMotion& motion) {
   hasNumbers_ = scene.numbers.has_value();
   push_ = {.picture = picture_.address(),

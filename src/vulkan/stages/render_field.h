@@ -8,7 +8,7 @@
 
 namespace raymap {
 struct GridMotion;
-struct Scene;
+struct DrawnScene;
 }  // namespace raymap
 
 namespace raymap::vulkan {
@@ -34,9 +34,10 @@ class RenderFieldStage {
   explicit RenderFieldStage(Device& device);
 
   /// Throws `Error(Unsupported)` if a ray would need more steps than the device can run reliably.
-  void checkScene(const Scene& scene) const;
+  void checkScene(const DrawnScene& scene) const;
   /// Uploads a scene that `checkScene` accepted, before a grid that has moved.
-  void recordScene(Commands& commands, const Scene& scene, int width, int height, const GridMotion& motion);
+  void recordScene(Commands& commands, const DrawnScene& scene, int width, int height,
+                   const GridMotion& motion);
   /// Draws `count` rows from row `first` on, counted from the top.
   void recordRows(Commands& commands, const Samples& samples, const Pixels& pixels, int first, int count);
 

@@ -1,0 +1,256 @@
+"""Bodies that move, and the signed distance to their union."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from typing import Any, Literal, NamedTuple, TypeAlias
+
+import numpy as np
+import numpy.typing as npt
+
+from . import _arrays, _raymap, _views
+from ._arguments import to_text
+from ._devices import to_machine
+from ._errors import InputError, UsageError
+from ._field import Field, core_of_field
+from ._progress import Progress, reporting
+from ._sparse import SparseField, core_of_sparse
+from ._surface import Surface, core_of_surface
+
+#: Name of what ``Scene.query`` can compute.
+SceneArray: TypeAlias = Literal["distance", "body", "closest", "gradient", "distances"]
+
+#: Number of the body where there is none.
+NO_BODY = 2**32 - 1
+
+
+@_views.shown
+class SceneQuery(NamedTuple):
+    """Result of ``Scene.query``: one value per point. None for what was not asked for.
+
+    The first axes are those of the points; with poses of many configurations, (configurations, points).
+    """
+
+    distance: Any
+    """Signed distances of the union, (...): the least of the distances to the bodies."""
+    body: Any
+    """Numbers of the bodies that have them, (...) uint32, in the order of ``Scene.names``; of several, the lowest.
+    ``raymap.NO_BODY`` for a point that is not finite, and without bodies."""
+    closest: Any
+    """Closest points of those bodies, (..., 3), in the world."""
+    gradient: Any
+    """Gradients of the distances, (..., 3), in the world: unit vectors that lead away from the solid; 0 on the surface."""
+    distances: Any
+    """Distances to each body, (..., bodies)."""
+
+
+class Scene:
+    """Bodies with rigid poses, and the signed distance of points of the world to their union, negative inside.
+
+    A body is a ``Surface``, a ``Field`` or a ``SparseField``, which the scene shares with its owner. Its pose takes the
+    body's coordinates to those of the world. Poses change at no cost. Bodies are numbered in the order in which they
+    were added; removing one moves those after it down by one.
+
+    A pose is a 4x4 matrix with a rotation, a translation in its last column, and the last row 0 0 0 1. Inner products
+    of its axes may differ from those of a rotation by 1e-5, as those of float32 do; distances may be wrong by the same
+    share.
+
+    Distances to a surface are those of ``Surface.query``, bit for bit, computed in float64. A surface without a sign has
+    no inside: its distances are not negative. Distances to a field are those of ``Field.sample``: they are approximate,
+    and lower bounds outside its box. So is the closest point of a field, which lies at this distance along the gradient;
+    it is NaN where the gradient is 0. A point that is not finite gets NaN, and so does one at which a field has NaN.
+    Without bodies, distances are infinite.
+
+    Several threads may query a scene at the same time, while none changes it. The result of a point depends neither on
+    the other points and configurations, nor on the number of threads. A scene can be pickled.
+
+    Args:
+        bodies: Bodies by name, which get the pose of the world.
+
+    Raises:
+        TypeError: A body is something else.
+        UsageError: As of ``add``.
+
+    >>> scene = raymap.Scene({"ball": raymap.Surface("ball.ply")})
+    >>> scene.set_pose("ball", [[1, 0, 0, 5], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]])
+    >>> scene.signed_distance([(5, 0, 0.5), (5, 0, 2)]).round(2)
+    array([-0.5,  1. ])
+    """
+
+    def __init__(self, bodies: Mapping[str, Surface | Field | SparseField] | None = None) -> None:
+        self._core, self._bodies = _raymap.Scene(), dict[str, Surface | Field | SparseField]()
+        for name, body in (bodies or {}).items():
+            self.add(name, body)
+
+    def add(self, name: str, body: Surface | Field | SparseField, pose: npt.ArrayLike | None = None) -> None:
+        """Adds a body after all others.
+
+        Args:
+            name: Its name, which no other body has.
+            body: A surface or a sampled field.
+            pose: Its pose, (4, 4); None = the pose of the world.
+
+        Raises:
+            TypeError: The body is something else.
+            UsageError: The name is empty or taken, the field has no distances, or the pose is no rigid motion.
+
+        >>> scene = raymap.Scene()
+        >>> scene.add("ball", raymap.Surface("ball.ply"), np.eye(4))
+        >>> scene
+        raymap.Scene(1 body: ball)
+        """
+        rows = _arrays.to_poses("pose", np.eye(4) if pose is None else pose, (4, 4))
+        self._core.add(to_text("name", name), _core_of(body), rows)
+        self._bodies[name] = body
+
+    def remove(self, name: str) -> None:
+        """Removes a body.
+
+        Raises:
+            UsageError: There is none of this name.
+        """
+        self._core.remove(to_text("name", name))
+        del self._bodies[name]
+
+    def set_pose(self, name: str, pose: npt.ArrayLike) -> None:
+        """Sets the pose of a body, (4, 4), which costs nothing.
+
+        Raises:
+            UsageError: There is no body of this name, or the pose is no rigid motion.
+        """
+        self._core.set_pose(to_text("name", name), _arrays.to_poses("pose", pose, (4, 4)))
+
+    @property
+    def names(self) -> list[str]:
+        """Names of the bodies, in their order."""
+        return list(self._bodies)
+
+    @property
+    def bodies(self) -> dict[str, Surface | Field | SparseField]:
+        """Bodies by name, in their order. A copy."""
+        return dict(self._bodies)
+
+    @property
+    def poses(self) -> npt.NDArray[np.float64]:
+        """Poses of all bodies, (bodies, 4, 4), in their order. A copy; setting it sets all of them.
+
+        Raises:
+            UsageError: On setting: more or fewer poses, or one that is no rigid motion. None is set then.
+        """
+        return np.asarray(self._core.poses())
+
+    @poses.setter
+    def poses(self, poses: npt.ArrayLike) -> None:
+        self._core.set_poses(_arrays.to_poses("poses", poses, (len(self), 4, 4)))
+
+    def signed_distance(
+        self, points: Any, poses: Any = None, *, threads: int | None = None, progress: Progress = None
+    ) -> Any:
+        """Returns signed distances of the union, negative inside. Arguments and errors are those of ``query``.
+
+        >>> scene = raymap.Scene({"ball": raymap.Surface("ball.ply")})
+        >>> poses = np.tile(np.eye(4), (3, 1, 1, 1))
+        >>> poses[:, 0, 0, 3] = 0, 1, 2
+        >>> scene.signed_distance([(4, 0, 0), (5, 0, 0)], poses).round(2)
+        array([[3., 4.],
+               [2., 3.],
+               [1., 2.]])
+        """
+        return self.query(points, poses=poses, threads=threads, progress=progress).distance
+
+    def query(
+        self,
+        points: Any,
+        arrays: Iterable[SceneArray] = ("distance",),
+        *,
+        poses: Any = None,
+        threads: int | None = None,
+        progress: Progress = None,
+    ) -> SceneQuery:
+        """Returns what is asked for at points of the world: the fields of ``raymap.SceneQuery``.
+
+        Results are float32 for float32 points and float64 for all others, and in the framework of the points.
+
+        Args:
+            points: Positions in the world, (..., 3). With ``poses``: (n, 3) for all configurations, or
+                (configurations, n, 3).
+            arrays: Names of what to compute: ``"distance"``, ``"body"``, ``"closest"``, ``"gradient"`` and
+                ``"distances"``, which queries all bodies.
+            poses: Poses of all bodies in many configurations, (configurations, bodies, 4, 4), in place of the scene's
+                own. Results then are (configurations, n).
+            threads: Number of CPU threads; None = ``raymap.get_threads()``.
+            progress: A callable that receives a stage and its share, 0 to 1; True to show it.
+
+        Raises:
+            UsageError: An unknown name, or a pose that is no rigid motion; the message names body and configuration.
+            InputError: Points or poses of another shape.
+            MemoryLimitError: The results do not fit into memory.
+            Cancelled: ``progress`` returned False.
+
+        >>> ball = raymap.Surface("ball.ply")
+        >>> scene = raymap.Scene({"left": ball, "right": ball})
+        >>> scene.set_pose("right", [[1, 0, 0, 9], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]])
+        >>> found = scene.query([(3, 0, 0), (9, 0, 2)], ("distance", "body", "gradient"))
+        >>> found.distance.round(2), found.body, abs(found.gradient).round(2)
+        (array([2., 1.]), array([0, 1], dtype=uint32), array([[1., 0., 0.],
+               [0., 0., 1.]]))
+        """
+        names: set[str] = {arrays} if isinstance(arrays, str) else set(arrays)
+        if unknown := names - set(SceneQuery._fields):
+            raise UsageError(f"arrays: nothing is named {sorted(unknown)[0]!r}; there are {', '.join(SceneQuery._fields)}")
+        options = _raymap.SceneOptions()
+        for name in SceneQuery._fields:
+            setattr(options, name, name in names)
+        flat, shape = _arrays.to_points(points)
+        machine = to_machine("cpu", threads)
+        if poses is None:
+            with reporting(progress) as report:
+                found = self._core.query(flat, options, machine, report)
+            leading = shape[:-1]
+        else:
+            rows, own, leading = self._configurations(poses, shape)
+            with reporting(progress) as report:
+                found = self._core.query_many(flat, rows, leading[0], own, options, machine, report)
+
+        def result(name: str) -> Any:
+            array = _arrays.as_precise(found[name], points)
+            return _arrays.like(array.reshape(leading + array.shape[1:]), points)
+
+        return SceneQuery(*(result(name) if name in names else None for name in SceneQuery._fields))
+
+    def _configurations(
+        self, poses: Any, shape: tuple[int, ...]
+    ) -> tuple[npt.NDArray[np.float64], bool, tuple[int, ...]]:
+        """Returns all poses in one array, whether each configuration has points of its own, and the shape of the results."""
+        rows = _arrays.to_poses("poses", poses, (-1, len(self), 4, 4))
+        count = len(poses)
+        if len(shape) not in (2, 3) or (len(shape) == 3 and shape[0] != count):
+            raise InputError(f"with poses of {count} configurations, points must be (n, 3) or ({count}, n, 3), "
+                             f"not of the shape {shape}")  # fmt: skip
+        return rows, len(shape) == 3, (count, shape[-2])
+
+    def __len__(self) -> int:
+        return len(self._bodies)
+
+    def __repr__(self) -> str:
+        count = len(self)
+        return f"raymap.Scene({count} {'body' if count == 1 else 'bodies'}{': ' if count else ''}{', '.join(self.names)})"
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _restore, (self._bodies, self.poses)
+
+
+def _core_of(body: Surface | Field | SparseField) -> Any:
+    if isinstance(body, Surface):
+        return core_of_surface(body)
+    if isinstance(body, Field):
+        return core_of_field(body)
+    if isinstance(body, SparseField):
+        return core_of_sparse(body)
+    raise TypeError(f"a body is a raymap.Surface, Field or SparseField, not a {type(body).__name__}")
+
+
+def _restore(bodies: dict[str, Surface | Field | SparseField], poses: npt.NDArray[np.float64]) -> Scene:
+    scene = Scene(bodies)
+    scene.poses = poses
+    return scene

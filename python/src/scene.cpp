@@ -1,0 +1,114 @@
+#include <raymap/scene.h>
+
+#include "call.h"
+
+namespace raymap::python {
+
+namespace {
+
+/// Poses as NumPy lays them out: rows of 4 numbers.
+using PoseArray = nb::ndarray<const double, nb::shape<-1, 4, 4>, nb::c_contig, nb::device::cpu>;
+using WorldPoints = nb::ndarray<const double, nb::shape<-1, 3>, nb::c_contig, nb::device::cpu>;
+
+std::vector<glm::dmat4> toPoses(const PoseArray& rows) {
+  std::vector<glm::dmat4> poses(rows.shape(0));
+  for (size_t i = 0; i < poses.size(); ++i)
+    for (int row = 0; row < 4; ++row)
+      for (int column = 0; column < 4; ++column)
+        poses[i][column][row] = rows.data()[16 * i + 4 * size_t(row) + size_t(column)];
+  return poses;
+}
+
+glm::dmat4 toPose(const PoseArray& rows) {
+  return toPoses(rows).at(0);
+}
+
+nb::ndarray<nb::numpy, double> posesOf(const Scene& self) {
+  std::vector<double> numbers;
+  for (const glm::dmat4& pose : self.poses())
+    for (int row = 0; row < 4; ++row)
+      for (int column = 0; column < 4; ++column) numbers.push_back(pose[column][row]);
+  return toArray<double>(std::move(numbers), {self.size(), 4, 4});
+}
+
+/// Returns the arrays that the options ask for, by name.
+nb::dict toDict(SceneResult result, const SceneOptions& options, size_t count, size_t bodies) {
+  nb::dict dict;
+  if (options.distance) dict["distance"] = toArray<double>(std::move(result.distance), {count});
+  if (options.body) dict["body"] = toArray<uint32_t>(std::move(result.body), {count});
+  if (options.closest) dict["closest"] = toArray<double>(std::move(result.closest), {count, 3});
+  if (options.gradient) dict["gradient"] = toArray<double>(std::move(result.gradient), {count, 3});
+  if (options.distances) dict["distances"] = toArray<double>(std::move(result.distances), {count, bodies});
+  return dict;
+}
+
+nb::dict queryScene(const Scene& self, const WorldPoints& points, const SceneOptions& options,
+                    const MachineOptions& machine, nb::object progress) {
+  Call call(std::move(progress));
+  SceneResult result;
+  const PointsView view(points.data(), points.shape(0));
+  call.run([&] { result = self.query(view, options, call.on(machine)); });
+  return toDict(std::move(result), options, points.shape(0), self.size());
+}
+
+nb::dict queryConfigurations(const Scene& self, const WorldPoints& points, const PoseArray& rows,
+                             size_t count, bool hasOwnPoints, const SceneOptions& options,
+                             const MachineOptions& machine, nb::object progress) {
+  Call call(std::move(progress));
+  SceneResult result;
+  const PointsView view(points.data(), points.shape(0));
+  const std::vector<glm::dmat4> poses = toPoses(rows);
+  call.run([&] { result = self.query(view, {poses, count, hasOwnPoints}, options, call.on(machine)); });
+  return toDict(std::move(result), options, hasOwnPoints ? view.count : count * view.count, self.size());
+}
+
+}  // namespace
+
+void bindScene(nb::module_& module) {
+  nb::class_<SceneOptions>(module, "SceneOptions")
+      .def(nb::init<>())
+      .def_rw("distance", &SceneOptions::distance)
+      .def_rw("body", &SceneOptions::body)
+      .def_rw("closest", &SceneOptions::closest)
+      .def_rw("gradient", &SceneOptions::gradient)
+      .def_rw("distances", &SceneOptions::distances);
+  nb::class_<Scene>(module, "Scene")
+      .def(nb::init<>())
+      .def(
+          "add",
+          [](Scene& self, std::string name, std::shared_ptr<Surface> surface, const PoseArray& pose) {
+            self.add(std::move(name), std::shared_ptr<const Surface>(std::move(surface)), toPose(pose));
+          },
+          "name"_a, "body"_a, "pose"_a)
+      // The scene shares the field and keeps its handle.
+      .def(
+          "add",
+          [](Scene& self, std::string name, const std::shared_ptr<FieldHandle>& handle,
+             const PoseArray& pose) {
+            self.add(std::move(name), std::shared_ptr<const Field>(handle, &handle->field), toPose(pose));
+          },
+          "name"_a, "body"_a, "pose"_a)
+      .def(
+          "add",
+          [](Scene& self, std::string name, const std::shared_ptr<SparseHandle>& handle,
+             const PoseArray& pose) {
+            self.add(std::move(name), std::shared_ptr<const SparseField>(handle, &handle->field),
+                     toPose(pose));
+          },
+          "name"_a, "body"_a, "pose"_a)
+      .def(
+          "remove", [](Scene& self, std::string_view name) { self.remove(name); }, "name"_a)
+      .def(
+          "set_pose",
+          [](Scene& self, std::string_view name, const PoseArray& pose) { self.setPose(name, toPose(pose)); },
+          "name"_a, "pose"_a)
+      .def(
+          "set_poses", [](Scene& self, const PoseArray& poses) { self.setPoses(toPoses(poses)); }, "poses"_a)
+      .def("poses", &posesOf)
+      .def_prop_ro("names", &Scene::names)
+      .def("query", &queryScene, "points"_a.noconvert(), "options"_a, "machine"_a, "progress"_a.none())
+      .def("query_many", &queryConfigurations, "points"_a.noconvert(), "poses"_a.noconvert(), "count"_a,
+           "has_own_points"_a, "options"_a, "machine"_a, "progress"_a.none());
+}
+
+}  // namespace raymap::python

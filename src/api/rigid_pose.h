@@ -1,0 +1,30 @@
+#pragma once
+
+#include <functional>
+#include <glm/glm.hpp>
+#include <string>
+
+namespace raymap {
+
+/// Throws `Error(Usage)` unless the matrix is a rigid motion. `nameOf` returns its name for the message.
+void checkRigid(const glm::dmat4& pose, const std::function<std::string()>& nameOf);
+
+// The functions below take a rigid motion.
+
+inline glm::dvec3 moved(const glm::dmat4& pose, const glm::dvec3& p) {
+  return glm::dvec3(pose[0]) * p.x + glm::dvec3(pose[1]) * p.y + glm::dvec3(pose[2]) * p.z +
+         glm::dvec3(pose[3]);
+}
+
+inline glm::dvec3 turned(const glm::dmat4& pose, const glm::dvec3& v) {
+  return glm::dvec3(pose[0]) * v.x + glm::dvec3(pose[1]) * v.y + glm::dvec3(pose[2]) * v.z;
+}
+
+/// Returns the point that the motion moves to `p`.
+inline glm::dvec3 movedBack(const glm::dmat4& pose, const glm::dvec3& p) {
+  const glm::dvec3 offset = p - glm::dvec3(pose[3]);
+  return {glm::dot(glm::dvec3(pose[0]), offset), glm::dot(glm::dvec3(pose[1]), offset),
+          glm::dot(glm::dvec3(pose[2]), offset)};
+}
+
+}  // namespace raymap

@@ -1,0 +1,398 @@
+#include <raymap/sample.h>
+#include <raymap/scene.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+#include <variant>
+
+#include "api/rigid_pose.h"
+#include "base/parallel.h"
+#include "base/progress.h"
+#include "base/require.h"
+#include "cpu/points/point_cells.h"
+#include "field/field_sampler.h"
+#include "method/points_view.h"
+
+namespace raymap {
+
+namespace {
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+
+/// Most points that are answered together, and points that a thread takes at a time.
+constexpr size_t kPointsAtOnce = size_t{1} << 19, kPointsPerTask = 4096;
+
+/// Bounds are lowered by this share of the body's diagonal and of the distance. Distances of a surface are
+/// within a fourth of that.
+constexpr double kInexact = 4e-6;
+
+/// Nothing is known of distances whose squares overflow.
+constexpr double kFarthestBound = 1e150;
+
+/// A surface and a bound on its distance.
+struct SurfaceShape {
+  std::shared_ptr<const Surface> surface;
+  Box bounds;
+  double slack;        ///< What distances near the surface may be wrong by.
+  double insideReach;  ///< See `Surface::insideReach`.
+
+  /// Returns a lower bound on the signed distance at a point of the body's coordinates. Faces without
+  /// boundary edges lie between each point inside and all sides of the bounds.
+  double lowerBound(const glm::dvec3& p) const {
+    const glm::dvec3 beyond = glm::max(bounds.min - p, p - bounds.max);
+    const double inside = std::min(std::max({beyond.x, beyond.y, beyond.z}), 0.0),
+                 toBounds = glm::length(glm::max(beyond, 0.0)) + inside;
+    if (!(toBounds < kFarthestBound) || (insideReach > 0.0 && toBounds <= insideReach)) return -INFINITY;
+    return toBounds - kInexact * std::abs(toBounds) - slack;
+  }
+};
+
+using Shape = std::variant<SurfaceShape, std::shared_ptr<const Field>, std::shared_ptr<const SparseField>>;
+
+struct Body {
+  std::string name;
+  Shape shape;
+
+  const SurfaceShape* surface() const { return std::get_if<SurfaceShape>(&shape); }
+};
+
+/// What a body knows of some points, in its coordinates.
+struct BodyAnswers {
+  QueryResult surface;
+  Samples field;
+};
+
+void ask(const SurfaceShape& shape, const Buffer<glm::dvec3>& points, const SceneOptions& options,
+         BodyAnswers& answers) {
+  shape.surface->query(points, {.closest = options.closest, .direction = options.gradient}, answers.surface);
+}
+
+template <class AnyField>
+void ask(const std::shared_ptr<const AnyField>& field, const Buffer<glm::dvec3>& points,
+         const SceneOptions& options, BodyAnswers& answers) {
+  sample(*field, points, {.gradients = options.closest || options.gradient}, answers.field);
+}
+
+/// Answer of a body at a point, in the world.
+struct Answer {
+  double distance;
+  glm::dvec3 closest{0.0}, gradient{0.0};  ///< If they are asked for.
+};
+
+Answer answerAt(const SurfaceShape&, const BodyAnswers& answers, size_t i, const glm::dmat4& pose,
+                const glm::dvec3&, const SceneOptions& options) {
+  const QueryResult& found = answers.surface;
+  Answer answer{.distance = found.distance[i]};
+  if (options.closest) answer.closest = moved(pose, found.closest[i]);
+  // Subtracting from 0 makes no negative zeros.
+  if (options.gradient)
+    answer.gradient =
+        turned(pose, answer.distance < 0.0 ? found.direction[i] : glm::dvec3(0.0) - found.direction[i]);
+  return answer;
+}
+
+template <class AnyField>
+Answer answerAt(const std::shared_ptr<const AnyField>&, const BodyAnswers& answers, size_t i,
+                const glm::dmat4& pose, const glm::dvec3& point, const SceneOptions&) {
+  const Samples& found = answers.field;
+  Answer answer{.distance = found.distance[i]};
+  if (found.gradient.empty()) return answer;
+  answer.gradient = turned(pose, glm::dvec3(found.gradient[i]));
+  answer.closest = point - answer.distance * (answer.gradient / glm::length(answer.gradient));
+  return answer;
+}
+
+/// A query of many points in one or more configurations. The points of one after the other are numbered
+/// through.
+class SceneQuery {
+ public:
+  SceneQuery(const std::vector<Body>& bodies, const PointsView& points, const Configurations& configurations,
+             const SceneOptions& options, SceneResult& result)
+      : bodies_(bodies),
+        points_(points),
+        configurations_(configurations),
+        options_(options),
+        result_(result),
+        perConfiguration_(configurations.hasOwnPoints
+                              ? points.count / std::max(configurations.count, size_t{1})
+                              : points.count),
+        total_(perConfiguration_ * configurations.count) {
+    result.distance.resizeUninitialized(options.distance ? total_ : 0);
+    result.body.resizeUninitialized(options.body ? total_ : 0);
+    result.closest.resizeUninitialized(options.closest ? total_ : 0);
+    result.gradient.resizeUninitialized(options.gradient ? total_ : 0);
+    result.distances.resizeUninitialized(options.distances ? total_ * bodies.size() : 0);
+  }
+
+  void answer(Progress& progress) {
+    for (begin_ = 0; begin_ < total_; begin_ += kPointsAtOnce) {
+      const size_t end = std::min(begin_ + kPointsAtOnce, total_);
+      progress.part(double(begin_) / double(total_), double(end) / double(total_));
+      load(end - begin_);
+      answerLoaded(progress);
+    }
+  }
+
+ private:
+  const glm::dmat4& pose(size_t k, size_t body) const {
+    return configurations_.poses[(begin_ + k) / perConfiguration_ * bodies_.size() + body];
+  }
+
+  void load(size_t count) {
+    world_.resizeUninitialized(count);
+    least_.resizeUninitialized(count);
+    nearest_.resizeUninitialized(count);
+    parallelFor(count, kPointsPerTask, [&](size_t begin, size_t end) {
+      for (size_t k = begin; k < end; ++k) {
+        const size_t i = begin_ + k;
+        world_[k] = pointAt(points_, configurations_.hasOwnPoints ? i : i % perConfiguration_);
+        least_[k] = cpu::isFinite(world_[k]) ? INFINITY : kNaN;
+        nearest_[k] = kNoBody;
+        if (options_.closest) result_.closest[i] = glm::dvec3(kNaN);
+        if (options_.gradient) result_.gradient[i] = glm::dvec3(kNaN);
+        for (size_t b = 0; options_.distances && b < bodies_.size(); ++b)
+          result_.distances[i * bodies_.size() + b] = kNaN;
+      }
+    });
+  }
+
+  void answerLoaded(Progress& progress) {
+    if (options_.distances) {
+      for (uint32_t b = 0; b < bodies_.size(); ++b) {
+        visit(b, [&](size_t k) { return cpu::isFinite(world_[k]); });
+        progress.report(double(b + 1) / double(bodies_.size()));
+      }
+    } else {
+      visitPromising(progress);
+    }
+    parallelFor(world_.size(), kPointsPerTask, [&](size_t begin, size_t end) {
+      for (size_t k = begin; k < end; ++k) {
+        if (options_.distance) result_.distance[begin_ + k] = least_[k];
+        if (options_.body) result_.body[begin_ + k] = nearest_[k];
+      }
+    });
+  }
+
+  /// Asks of each point the fields, the surface of the least lower bound, and then the other surfaces whose
+  /// bounds are not above what was found.
+  void visitPromising(Progress& progress) {
+    findFirst();
+    for (const bool isFirst : {true, false})
+      for (uint32_t b = 0; b < bodies_.size(); ++b) {
+        if (bodies_[b].surface())
+          visit(b, [&](size_t k) { return (first_[k] == b) == isFirst && lowerBound(k, b) <= least_[k]; });
+        else if (isFirst)
+          visit(b, [&](size_t k) { return cpu::isFinite(world_[k]); });
+        progress.report((double(b + 1) / double(bodies_.size()) + (isFirst ? 0.0 : 1.0)) / 2.0);
+      }
+  }
+
+  double lowerBound(size_t k, size_t body) const {
+    return bodies_[body].surface()->lowerBound(movedBack(pose(k, body), world_[k]));
+  }
+
+  /// Finds the surface of the least lower bound for each point.
+  void findFirst() {
+    first_.resizeUninitialized(world_.size());
+    parallelFor(world_.size(), kPointsPerTask, [&](size_t begin, size_t end) {
+      for (size_t k = begin; k < end; ++k) {
+        first_[k] = kNoBody;
+        double least = INFINITY;
+        for (uint32_t b = 0; b < bodies_.size(); ++b) {
+          if (!bodies_[b].surface()) continue;
+          const double bound = lowerBound(k, b);
+          if (bound < least) least = bound, first_[k] = b;
+        }
+      }
+    });
+  }
+
+  /// Asks a body about the points that want it.
+  template <class Predicate>
+  void visit(uint32_t b, Predicate&& isWanted) {
+    const std::vector<uint32_t> wanted = parallelSelect(world_.size(), isWanted, kPointsPerTask);
+    if (wanted.empty()) return;
+    inBody_.resizeUninitialized(wanted.size());
+    parallelFor(wanted.size(), kPointsPerTask, [&](size_t begin, size_t end) {
+      for (size_t i = begin; i < end; ++i) inBody_[i] = movedBack(pose(wanted[i], b), world_[wanted[i]]);
+    });
+    std::visit(
+        [&](const auto& shape) {
+          ask(shape, inBody_, options_, answers_);
+          parallelFor(wanted.size(), kPointsPerTask, [&](size_t begin, size_t end) {
+            for (size_t i = begin; i < end; ++i) {
+              const size_t k = wanted[i];
+              take(k, b, answerAt(shape, answers_, i, pose(k, b), world_[k], options_));
+            }
+          });
+        },
+        bodies_[b].shape);
+  }
+
+  /// Takes a body's answer at a point, in whichever order the bodies come. NaN stays.
+  void take(size_t k, uint32_t b, const Answer& answer) {
+    const size_t i = begin_ + k;
+    if (options_.distances) result_.distances[i * bodies_.size() + b] = answer.distance;
+    const bool isKnown = !std::isnan(answer.distance),
+               isNearer = answer.distance < least_[k] || (answer.distance == least_[k] && b < nearest_[k]);
+    if (std::isnan(least_[k]) || (isKnown && !isNearer)) return;
+    least_[k] = answer.distance;
+    nearest_[k] = isKnown ? b : kNoBody;
+    if (options_.closest) result_.closest[i] = isKnown ? answer.closest : glm::dvec3(kNaN);
+    if (options_.gradient) result_.gradient[i] = isKnown ? answer.gradient : glm::dvec3(kNaN);
+  }
+
+  const std::vector<Body>& bodies_;
+  const PointsView& points_;
+  const Configurations& configurations_;
+  const SceneOptions& options_;
+  SceneResult& result_;
+  size_t perConfiguration_, total_;
+
+  // Of the points that are answered together, from number `begin_` on.
+  size_t begin_ = 0;
+  Buffer<glm::dvec3> world_;
+  Buffer<double> least_;      // distance found so far
+  Buffer<uint32_t> nearest_;  // body that has it
+  Buffer<uint32_t> first_;    // surface of the least lower bound
+  Buffer<glm::dvec3> inBody_;
+  BodyAnswers answers_;
+};
+
+std::string poseName(const std::string& body) {
+  return "the pose of body '" + body + "'";
+}
+
+}  // namespace
+
+struct Scene::Impl {
+  std::vector<Body> bodies;
+  std::vector<glm::dmat4> poses;  // One per body.
+
+  size_t find(std::string_view name) const {
+    const auto at = std::ranges::find(bodies, name, &Body::name);
+    if (at == bodies.end()) throw Error(ErrorCode::Usage, missing(name));
+    return size_t(at - bodies.begin());
+  }
+  void add(std::string name, Shape shape, const glm::dmat4& pose);
+  /// Throws unless there are this many poses of each body, all of them rigid.
+  void check(const Configurations& configurations) const;
+
+ private:
+  std::string missing(std::string_view name) const {
+    std::string text = "the scene has no body '" + std::string(name) + "'; it has ";
+    if (bodies.empty()) return text + "none";
+    for (const Body& body : bodies) text += (&body == bodies.data() ? "'" : ", '") + body.name + "'";
+    return text;
+  }
+};
+
+void Scene::Impl::add(std::string name, Shape shape, const glm::dmat4& pose) {
+  require(!name.empty(), "a body needs a name");
+  require(std::ranges::find(bodies, name, &Body::name) == bodies.end(),
+          "the scene has a body '" + name + "'; remove that first, or use another name");
+  require(bodies.size() < kNoBody, "a scene has fewer than 4294967295 bodies");
+  checkRigid(pose, [&] { return poseName(name); });
+  poses.reserve(bodies.size() + 1);
+  bodies.push_back({std::move(name), std::move(shape)});
+  poses.push_back(pose);
+}
+
+void Scene::Impl::check(const Configurations& configurations) const {
+  const size_t count = configurations.count, given = configurations.poses.size();
+  require(bodies.empty() ? given == 0 : given % bodies.size() == 0 && given / bodies.size() == count,
+          "there are " + std::to_string(given) + " poses for " + std::to_string(count) +
+              " configurations of " + std::to_string(bodies.size()) + " bodies");
+  for (size_t i = 0; i < given; ++i)
+    checkRigid(configurations.poses[i], [&] {
+      return poseName(bodies[i % bodies.size()].name) + " in configuration " +
+             std::to_string(i / bodies.size());
+    });
+}
+
+Scene::Scene() : impl_(std::make_unique<Impl>()) {}
+Scene::~Scene() = default;
+Scene::Scene(Scene&&) noexcept = default;
+Scene& Scene::operator=(Scene&&) noexcept = default;
+
+void Scene::add(std::string name, std::shared_ptr<const Surface> surface, const glm::dmat4& pose) {
+  require(surface != nullptr, "body '" + name + "' has no surface");
+  const Box box = bounds(surface->mesh());
+  const double slack = kInexact * glm::length(box.size()), reach = surface->insideReach();
+  impl_->add(std::move(name), SurfaceShape{std::move(surface), box, slack, reach}, pose);
+}
+
+void Scene::add(std::string name, std::shared_ptr<const Field> field, const glm::dmat4& pose) {
+  require(field != nullptr, "body '" + name + "' has no field");
+  validateField(*field);
+  impl_->add(std::move(name), std::move(field), pose);
+}
+
+void Scene::add(std::string name, std::shared_ptr<const SparseField> field, const glm::dmat4& pose) {
+  require(field != nullptr, "body '" + name + "' has no field");
+  validateField(*field);
+  impl_->add(std::move(name), std::move(field), pose);
+}
+
+void Scene::remove(std::string_view name) {
+  const auto at = std::ptrdiff_t(impl_->find(name));
+  impl_->bodies.erase(impl_->bodies.begin() + at);
+  impl_->poses.erase(impl_->poses.begin() + at);
+}
+
+void Scene::setPose(std::string_view name, const glm::dmat4& pose) {
+  const size_t body = impl_->find(name);
+  checkRigid(pose, [&] { return poseName(impl_->bodies[body].name); });
+  impl_->poses[body] = pose;
+}
+
+void Scene::setPoses(std::span<const glm::dmat4> poses) {
+  require(poses.size() == size(),
+          std::to_string(poses.size()) + " poses are given for " + std::to_string(size()) + " bodies");
+  for (size_t b = 0; b < poses.size(); ++b)
+    checkRigid(poses[b], [&] { return poseName(impl_->bodies[b].name); });
+  impl_->poses.assign(poses.begin(), poses.end());
+}
+
+size_t Scene::size() const {
+  return impl_->bodies.size();
+}
+
+uint32_t Scene::number(std::string_view name) const {
+  return uint32_t(impl_->find(name));
+}
+
+std::vector<std::string> Scene::names() const {
+  std::vector<std::string> names;
+  for (const Body& body : impl_->bodies) names.push_back(body.name);
+  return names;
+}
+
+std::vector<glm::dmat4> Scene::poses() const {
+  return impl_->poses;
+}
+
+SceneResult Scene::query(const PointsView& points, const SceneOptions& options,
+                         const MachineOptions& machine) const {
+  return query(points, {.poses = impl_->poses, .count = 1}, options, machine);
+}
+
+SceneResult Scene::query(const PointsView& points, const Configurations& configurations,
+                         const SceneOptions& options, const MachineOptions& machine) const {
+  const size_t count = configurations.count;
+  impl_->check(configurations);
+  require(!configurations.hasOwnPoints || (count > 0 ? points.count % count == 0 : points.count == 0),
+          std::to_string(points.count) + " points are not as many in each of " + std::to_string(count) +
+              " configurations");
+  SceneResult result;
+  Progress progress(machine.progress);
+  withThreads(machine.threads, [&] {
+    SceneQuery query(impl_->bodies, points, configurations, options, result);
+    progress.stage("query", [&] { query.answer(progress); });
+  });
+  return result;
+}
+
+}  // namespace raymap

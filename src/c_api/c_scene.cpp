@@ -1,0 +1,123 @@
+// The functions of raymap/c.h about scenes.
+
+#include <raymap/c.h>
+#include <raymap/scene.h>
+
+#include <memory>
+#include <vector>
+
+#include "c_api/c_handles.h"
+#include "c_api/c_struct.h"
+
+using namespace raymap;
+using raymap::c::copyTo;
+using raymap::c::create;
+using raymap::c::guard;
+using raymap::c::need;
+
+namespace {
+
+/// Returns a pose from its rows.
+glm::dmat4 poseOf(const double* rows) {
+  glm::dmat4 pose;
+  for (int row = 0; row < 4; ++row)
+    for (int column = 0; column < 4; ++column) pose[column][row] = rows[4 * row + column];
+  return pose;
+}
+
+/// Adds a body that the caller owns.
+template <class Shape>
+void add(raymap_scene* scene, const char* name, const Shape& shape, const double* pose) {
+  const std::shared_ptr<const Shape> referred(std::shared_ptr<const Shape>(), &shape);
+  need(scene, "the scene")
+      .scene.add(&need(name, "the name"), referred, pose ? poseOf(pose) : glm::dmat4(1.0));
+}
+
+/// Poses in many configurations, and what the library takes of them.
+struct GivenConfigurations {
+  std::vector<glm::dmat4> poses;
+  Configurations view;
+};
+
+GivenConfigurations configurationsOf(const raymap_configurations& given, size_t bodies) {
+  GivenConfigurations made;
+  made.poses.resize(given.count * bodies);
+  if (!made.poses.empty()) need(given.poses, "the array of poses");
+  for (size_t i = 0; i < made.poses.size(); ++i) made.poses[i] = poseOf(given.poses + 16 * i);
+  made.view = {made.poses, given.count, given.has_own_points};
+  return made;
+}
+
+}  // namespace
+
+raymap_scene* raymap_scene_create(void) {
+  return create([] { return std::make_unique<raymap_scene>(); });
+}
+
+void raymap_scene_free(raymap_scene* scene) {
+  delete scene;
+}
+
+raymap_result raymap_scene_add_surface(raymap_scene* scene, const char* name, const raymap_surface* surface,
+                                       const double pose[16]) {
+  return guard([&] { add(scene, name, need(surface, "the surface").surface, pose); });
+}
+
+raymap_result raymap_scene_add_field(raymap_scene* scene, const char* name, const raymap_field* field,
+                                     const double pose[16]) {
+  return guard([&] { add(scene, name, need(field, "the field").field, pose); });
+}
+
+raymap_result raymap_scene_add_sparse_field(raymap_scene* scene, const char* name,
+                                            const raymap_sparse_field* field, const double pose[16]) {
+  return guard([&] { add(scene, name, need(field, "the field").field, pose); });
+}
+
+raymap_result raymap_scene_remove(raymap_scene* scene, const char* name) {
+  return guard([&] { need(scene, "the scene").scene.remove(&need(name, "the name")); });
+}
+
+raymap_result raymap_scene_set_pose(raymap_scene* scene, const char* name, const double pose[16]) {
+  return guard([&] {
+    need(scene, "the scene").scene.setPose(&need(name, "the name"), poseOf(&need(pose, "the pose")));
+  });
+}
+
+size_t raymap_scene_size(const raymap_scene* scene) {
+  return scene ? scene->scene.size() : 0;
+}
+
+raymap_result raymap_scene_number(const raymap_scene* scene, const char* name, uint32_t* number) {
+  return guard(
+      [&] { need(number, "the number") = need(scene, "the scene").scene.number(&need(name, "the name")); });
+}
+
+raymap_result raymap_scene_query(const raymap_scene* scene, const double* points, size_t count,
+                                 const raymap_configurations* configurations, const raymap_options* options,
+                                 const raymap_scene_arrays* arrays) {
+  return guard([&] {
+    const Scene& queried = need(scene, "the scene").scene;
+    need(arrays, "raymap_scene_arrays");
+    const raymap_scene_arrays wanted = c::read(arrays);
+    if (count > 0) need(points, "the array of points");
+    const SceneOptions how{.distance = wanted.distance != nullptr,
+                           .body = wanted.body != nullptr,
+                           .closest = wanted.closest != nullptr,
+                           .gradient = wanted.gradient != nullptr,
+                           .distances = wanted.distances != nullptr};
+    const PointsView view(points, count);
+    const MachineOptions& machine = c::optionsOr(options).machine;
+    SceneResult found;
+    if (configurations) {
+      const auto given = configurationsOf(c::read(configurations), queried.size());
+      found = queried.query(view, given.view, how, machine);
+    } else {
+      found = queried.query(view, how, machine);
+    }
+    copyTo(wanted.distance, found.distance);
+    copyTo(wanted.body, found.body);
+    copyTo(wanted.closest, found.closest);
+    copyTo(wanted.gradient, found.gradient);
+    copyTo(wanted.distances, found.distances);
+  });
+}
