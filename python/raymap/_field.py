@@ -123,10 +123,10 @@ class Field(GridField):
         return self._core.clamp_distance
 
     def save(self, path: str | os.PathLike[str], array: FieldArray = "distance") -> None:
-        """Writes .vdb, .nrrd, .npz, .npy or .vti by extension. The file appears whole or not at all.
+        """Writes .vdb, .nvdb, .nrrd, .npz, .npy or .vti by extension. The file appears whole or not at all.
 
         Args:
-            path: File to write. A .npz, .vti or .vdb holds every array; a .npy holds no grid.
+            path: File to write. A .npz, .vti, .vdb or .nvdb holds every array; a .npy holds no grid.
             array: Array to write into the other formats.
 
         Raises:
@@ -421,14 +421,18 @@ def _restore(
     return restored
 
 
-def load_field(path: str | os.PathLike[str]) -> Field:
-    """Reads a field, negative inside: .vdb, .nrrd, .npz, .npy or .vti by extension.
+def load_field(path: str | os.PathLike[str], grid: str | None = None) -> Field:
+    """Reads a field, negative inside: .vdb, .nvdb, .nrrd, .npz, .npy or .vti by extension.
 
     A .npy has no grid: the result has the origin 0 and the spacing 1. A warning (``RaymapWarning``) names arrays of the
-    file that a field has no place for.
+    file that a field has no place for. ``SparseField.load`` reads the leaves of a .vdb or .nvdb alone.
+
+    Args:
+        path: The file.
+        grid: Name of the grid in a .vdb or .nvdb; None = the first level set.
 
     Raises:
-        UsageError: Another extension.
+        UsageError: Another extension, or no grid has that name; the message lists those of the file.
         FileError: The file cannot be read.
         InputError: Its content is not valid.
         UnsupportedError: For example a rotated grid.
@@ -437,4 +441,4 @@ def load_field(path: str | os.PathLike[str]) -> Field:
     >>> raymap.load_field("ball.vdb")
     raymap.Field(16 x 16 x 16 samples, spacing 0.15, arrays distance)
     """
-    return field_of_core(_raymap.load_field(os.fspath(path)))
+    return field_of_core(_raymap.load_field(os.fspath(path), to_text("grid", "" if grid is None else grid)))
