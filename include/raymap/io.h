@@ -97,9 +97,9 @@ RAYMAP_API Field readField(const std::filesystem::path& path, const ReadOptions&
 /// value inside. If none is inactive there, the band has the same width inside, or none if a value is deeper.
 /// Arrays of a field of all samples are kept in its leaves alone.
 ///
-/// Warns of grids that are not read. Throws `Error`: Usage for another format or a name that no grid has,
-/// which lists the names; Unsupported for a grid that is no level set of floats, is turned, mirrored or not
-/// of cubes, or has more than 2^24 samples along an axis; File, Input, Memory.
+/// Warns of grids that are not read, unless one is named. Throws `Error`: Usage for another format or a name
+/// that no grid has, which lists the names; Unsupported for a grid that is no level set of floats, is turned,
+/// mirrored or not of cubes, or has more than 2^24 samples along an axis; File, Input, Memory.
 RAYMAP_API SparseField readBand(const std::filesystem::path& path, const ReadOptions& options = {});
 
 /// Reads a mesh or a field, whichever the file holds, as `readMesh` and `readField` do.

@@ -70,7 +70,8 @@ class SparseField(GridField):
         """Reads a level set of a .vdb or .nvdb, of raymap or any other program, negative inside.
 
         Time and memory grow with its leaves. What ``save`` wrote comes back bit for bit. The grid of another program's
-        file begins and ends with whole leaves of 8 samples. A warning (``RaymapWarning``) names grids that are not read.
+        file begins and ends with whole leaves of 8 samples. Without ``grid``, a warning (``RaymapWarning``)
+        names grids that are not read.
 
         Args:
             path: The file.

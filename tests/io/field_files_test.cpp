@@ -58,7 +58,7 @@ class FieldFiles : public testing::TestWithParam<std::string> {
   fs::path file(const std::string& name = "field") const { return folder_.path() / (name + GetParam()); }
   bool hasGrid() const { return GetParam() != ".npy"; }
   /// Number of places in a file to damage. Each takes a process for a .vdb and a .nvdb.
-  size_t places(size_t most) const { return GetParam().ends_with("vdb") ? 30 : most; }
+  size_t places(size_t most) const { return GetParam() == ".vdb" ? 30 : GetParam() == ".nvdb" ? 12 : most; }
   void expectSameGrid(const Field& a, const Field& b) const {
     EXPECT_EQ(a.grid.dims, b.grid.dims);
     if (!hasGrid()) return;

@@ -91,8 +91,9 @@ nanovdb::HostBuffer readBytes(Bytes& file, nanovdb::io::Codec codec, uint64_t si
     file.read(bytes.data(), size);
     return bytes;
   }
-  const auto deflated = file.read<uint64_t>();
-  if (deflated + sizeof deflated != packed) throwDamaged("a grid has two sizes");
+  const auto deflated =
+      file.read<uint64_t>();  // `packed` counts this number in NanoVDB's files, not in Warp's.
+  if (deflated > file.remaining()) throwDamaged("it ends early");
   std::vector<Bytef> source(deflated);
   file.read(source.data(), deflated);
   uLongf inflated = size;
@@ -180,7 +181,7 @@ bool isOfFloats(GridType type) {
 
 /// Returns a grid of its kind, without values.
 openvdb::GridBase::Ptr emptyGridOf(const NanoGrid& grid) {
-  const openvdb::Name type = isOfFloats(grid.type())           ? openvdb::FloatGrid::gridType()
+  const openvdb::Name type = isOfFloats(grid.type())          ? openvdb::FloatGrid::gridType()
                              : grid.type() == GridType::Int32 ? openvdb::Int32Grid::gridType()
                                                               : openvdb::BoolGrid::gridType();
   openvdb::GridBase::Ptr made = openvdb::GridBase::createGrid(type);
