@@ -39,6 +39,7 @@ struct Output {
 struct StreamFormat {
   std::string given;
   std::string input, output;
+  std::string grid;  ///< Option --grid: name of the grid to read.
 };
 
 /// Prepares the files of a command:

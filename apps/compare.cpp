@@ -70,8 +70,8 @@ void run(Arguments& arguments) {
   prepareFiles(arguments.format, {{arguments.a, fieldExtensions()}, {arguments.b, fieldExtensions()}},
                outputs);
   if (!arguments.mayOverwrite) checkInputs(outputs, {arguments.a, arguments.b});
-  Field a = loadFieldOnly(arguments.a, arguments.format.input),
-        b = loadFieldOnly(arguments.b, arguments.format.input);
+  Field a = loadFieldOnly(arguments.a, arguments.format.input, arguments.format.grid),
+        b = loadFieldOnly(arguments.b, arguments.format.input, arguments.format.grid);
   const FieldArray array = chooseCommon(arguments, a, b);
   const Comparison found = compareFields(a, b, array);
   constexpr int kWidth = 1024;
@@ -95,6 +95,7 @@ void addCompare(CLI::App& app) {
   command->add_option("b", arguments->b, "Second field")->type_name("FIELD")->required();
   addOption(*command, "--output", arguments->picture);
   addOption(*command, "--format", arguments->format.given);
+  addOption(*command, "--grid", arguments->format.grid);
   addOption(*command, "--as", arguments->as);
   addOption(*command, "--overwrite", arguments->mayOverwrite);
   addJsonOption(*command, arguments->isJson);

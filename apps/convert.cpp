@@ -36,7 +36,7 @@ std::vector<std::string> outputExtensions(const Arguments& arguments) {
 
 void writeConverted(const Arguments& arguments, Mesh& mesh) {
   if (arguments.half || !arguments.gridName.empty())
-    throw Error(ErrorCode::Usage, "--grid-name and --half are for the .vdb of a field, and " +
+    throw Error(ErrorCode::Usage, "--grid-name and --half are for the .vdb or .nvdb of a field, and " +
                                       displayName(arguments.input) + " is a mesh; leave them out");
   const std::filesystem::path input = named(arguments.input, arguments.format.input),
                               output = named(arguments.output, arguments.format.output);
@@ -56,12 +56,12 @@ void warnOfDropped(const Arguments& arguments, const AnyField& field) {
   std::string dropped = hasExtension(output, {".npy"}) ? "the grid" : "";
   const std::vector<FieldArray> arrays = heldArrays(field);
   const bool isDistance = arrays[0] == FieldArray::Distance;  // Other arrays are written alone.
-  const bool holdsAll = isDistance && hasExtension(output, {".npz", ".vti", ".vdb"});
+  const bool holdsAll = isDistance && hasExtension(output, {".npz", ".vti", ".vdb", ".nvdb"});
   for (size_t a = 1; a < arrays.size() && !holdsAll; ++a)
     dropped += (dropped.empty() ? "" : ", ") + ("the array " + std::string(name(arrays[a])));
   if (!dropped.empty())
     printWarning(displayName(arguments.output) + ": it has no place for these, which are left out: " +
-                 dropped + (isDistance ? "; a .npz, .vti or .vdb holds all" : ""));
+                 dropped + (isDistance ? "; a .npz, .vti, .vdb or .nvdb holds all" : ""));
 }
 
 void writeConverted(const Arguments& arguments, Field& field) {
@@ -100,7 +100,7 @@ void writeConverted(const Arguments& arguments, SparseField& band) {
   const FieldWriteOptions options{
       .format = arguments.format.output, .gridName = arguments.gridName, .half = arguments.half};
   const bool isPlain = !arguments.half && arguments.gridName.empty();
-  if (hasExtension(output, {".vdb"}))
+  if (hasExtension(output, {".vdb", ".nvdb"}))
     writeBand(arguments.output, band, options);
   else if (hasExtension(output, slabExtensions()) && isPlain)
     writeInSlabs(arguments, band);
@@ -117,7 +117,7 @@ void run(Arguments& arguments) {
   const std::vector<Output> outputs{{"--output", arguments.output, outputExtensions(arguments)}};
   prepareFiles(arguments.format, {{arguments.input, meshAndFieldExtensions()}}, outputs);
   if (!arguments.mayOverwrite) checkInputs(outputs, {arguments.input});
-  auto read = loadMeshFieldOrBand(arguments.input, arguments.format.input);
+  auto read = loadMeshFieldOrBand(arguments.input, arguments.format.input, arguments.format.grid);
   if (Mesh* mesh = std::get_if<Mesh>(&read))
     writeConverted(arguments, *mesh);
   else if (Field* field = std::get_if<Field>(&read))
@@ -138,11 +138,13 @@ void addConvert(CLI::App& app) {
       ->type_name("FILE")
       ->excludes(addOption(*command, "--output", arguments->output));
   addOption(*command, "--format", arguments->format.given);
+  addOption(*command, "--grid", arguments->format.grid);
   addOption(*command, "--grid-name", arguments->gridName);
   addOption(*command, "--half", arguments->half);
   addOption(*command, "--overwrite", arguments->mayOverwrite);
   command->footer(
-      "Examples:\n  raymap convert bunny.vdb -o bunny.nrrd\n  raymap convert bunny.3mf -o bunny.ply\n"
+      "Examples:\n  raymap convert bunny.vdb -o bunny.nrrd\n  raymap convert bunny.vdb -o bunny.nvdb\n  "
+      "raymap convert bunny.3mf -o bunny.ply\n"
       "  raymap convert car.glb -o car.3mf --unit mm --up y");
   addMeshOutputOptions(*command, arguments->units);
   command->callback([arguments] { run(*arguments); });

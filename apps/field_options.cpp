@@ -125,8 +125,9 @@ Field loadField(const std::filesystem::path& path, const FieldArguments& argumen
 
 std::variant<Field, SparseField> loadFieldOrBand(const std::filesystem::path& path,
                                                  const FieldArguments& arguments, const std::string& format,
+                                                 const std::string& grid,
                                                  const std::filesystem::path& result) {
-  auto read = loadMeshFieldOrBand(path, format);
+  auto read = loadMeshFieldOrBand(path, format, grid);
   if (Mesh* mesh = std::get_if<Mesh>(&read))
     return makeFieldOf(*mesh, named(path, format), arguments, result);
   std::visit([&](auto& each) { convertUnits(each, arguments.units, named(path, format)); }, read);

@@ -52,9 +52,10 @@ Field makeField(const Mesh& mesh, const Grid& grid, const FieldArguments& argume
 /// A mesh is turned to the axis that is up in the file to write, `result`, if there is one.
 Field loadField(const std::filesystem::path& path, const FieldArguments& arguments, const std::string& format,
                 const std::filesystem::path& result = {});
-/// Does the same, but reads a large level set as a narrow band.
+/// Does the same, but reads a large level set as a narrow band. `grid` names the one to read.
 std::variant<Field, SparseField> loadFieldOrBand(const std::filesystem::path& path,
                                                  const FieldArguments& arguments, const std::string& format,
+                                                 const std::string& grid,
                                                  const std::filesystem::path& result);
 
 }  // namespace raymap

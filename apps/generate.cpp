@@ -244,16 +244,17 @@ bool isWritten(const Arguments& arguments, const fs::path& path, const std::vect
 }
 
 /// Returns whether a field is made near the surface alone, which takes less time and memory for so many
-/// samples. Only a .vdb has no place for the others.
+/// samples. Only a .vdb and a .nvdb have no place for the others.
 bool isNarrowBand(const Arguments& arguments, const Grid& grid) {
   constexpr size_t kManySamples = size_t{1} << 24;
-  const bool isPossible = arguments.options.band > 0.0 && isWritten(arguments, arguments.field, {".vdb"}) &&
+  const bool isPossible = arguments.options.band > 0.0 &&
+                          isWritten(arguments, arguments.field, {".vdb", ".nvdb"}) &&
                           isOfSurface(arguments) && isAlone(arguments);
   if (arguments.fullInside && !isPossible)
-    throw Error(
-        ErrorCode::Usage,
-        "--full-inside needs --band and a .vdb, with --distance exact and --sign harmonic on the CPU, "
-        "without --close-holes, --invert, --thickness, --triangle-ids, --winding and --confidence");
+    throw Error(ErrorCode::Usage,
+                "--full-inside needs --band and a .vdb or .nvdb, with --distance exact and --sign harmonic "
+                "on the CPU, "
+                "without --close-holes, --invert, --thickness, --triangle-ids, --winding and --confidence");
   return isPossible && (arguments.fullInside || grid.sampleCount() > kManySamples);
 }
 
@@ -482,9 +483,12 @@ void makeFrames(const Arguments& arguments) {
 void run(Arguments& arguments) {
   finishOptions(arguments);
   prepareFiles(arguments.format, {{arguments.mesh, meshExtensions()}}, outputs(arguments));
-  if ((arguments.half || !arguments.gridName.empty()) && !isWritten(arguments, arguments.field, {".vdb"}))
-    throw Error(ErrorCode::Usage, "--grid-name and --half are for a .vdb, and " +
-                                      displayName(arguments.field) + " is none; leave them out");
+  if (arguments.half && !isWritten(arguments, arguments.field, {".vdb"}))
+    throw Error(ErrorCode::Usage,
+                "--half is for a .vdb, and " + displayName(arguments.field) + " is none; leave it out");
+  if (!arguments.gridName.empty() && !isWritten(arguments, arguments.field, {".vdb", ".nvdb"}))
+    throw Error(ErrorCode::Usage, "--grid-name is for a .vdb or .nvdb, and " + displayName(arguments.field) +
+                                      " is none; leave it out");
   if (!arguments.mayOverwrite) checkInputs(outputs(arguments), {arguments.mesh, arguments.offsets});
   testBeforeFirstUse(arguments.machine.device);
   if (arguments.frames.frames.empty())

@@ -151,7 +151,8 @@ void run(Arguments& arguments) {
   prepareFiles(arguments.format, {{arguments.input, meshAndFieldExtensions()}}, outputs);
   if (!arguments.mayOverwrite) checkInputs(outputs, {arguments.input});
   setView(arguments.camera, isZUp(arguments.input, arguments.format.input), arguments.view);
-  const auto read = loadMeshFieldOrBand(arguments.input, arguments.format.input, arguments.units);
+  const auto read =
+      loadMeshFieldOrBand(arguments.input, arguments.format.input, arguments.format.grid, arguments.units);
   if (const Mesh* mesh = std::get_if<Mesh>(&read)) return inspectMesh(*mesh, arguments);
   if (const Field* field = std::get_if<Field>(&read)) return inspectField(*field, arguments);
   inspectField(std::get<SparseField>(read), arguments);
@@ -167,6 +168,7 @@ void addInfo(CLI::App& app) {
       ->type_name("MESH|FIELD")
       ->required();
   addOption(*command, "--format", arguments->format.given);
+  addOption(*command, "--grid", arguments->format.grid);
   addJsonOption(*command, arguments->isJson);
   addOption(*command, "--overwrite", arguments->mayOverwrite);
   addUnitOptions(*command, arguments->units);

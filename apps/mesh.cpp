@@ -74,7 +74,8 @@ void run(Arguments& arguments) {
   if (!arguments.mayOverwrite) checkInputs(outputs, {arguments.input});
   const std::filesystem::path output = named(arguments.mesh, arguments.format.output);
   checkMeshUnits(arguments.units, output);
-  const auto field = loadFieldOrBand(arguments.input, arguments, arguments.format.input, output);
+  const auto field =
+      loadFieldOrBand(arguments.input, arguments, arguments.format.input, arguments.format.grid, output);
   Simplified surface = std::visit([&](const auto& each) { return makeSurface(each, arguments); }, field);
   const Grid grid = std::visit([](const auto& each) { return each.grid; }, field);
   const StoredMesh stored =
@@ -104,6 +105,7 @@ void addMesh(CLI::App& app) {
       ->required();
   addOption(*command, "--output", arguments->mesh)->required();
   addOption(*command, "--format", arguments->format.given);
+  addOption(*command, "--grid", arguments->format.grid);
   addOption(*command, "--overwrite", arguments->mayOverwrite);
   addFigureOptions(*command, arguments->stats);
   addMeshOutputOptions(*command, arguments->units);

@@ -220,16 +220,16 @@ void convertUnits(SparseField& band, const MeshUnits& units, const std::filesyst
 }
 
 std::variant<Mesh, Field> loadMeshOrField(const std::filesystem::path& path, const std::string& format,
-                                          const MeshUnits& units) {
-  std::variant<Mesh, Field> read = loadMeshOrField(path, format);
+                                          const std::string& grid, const MeshUnits& units) {
+  std::variant<Mesh, Field> read = loadMeshOrField(path, format, grid);
   std::visit([&](auto& each) { convertUnits(each, units, named(path, format)); }, read);
   return read;
 }
 
 std::variant<Mesh, Field, SparseField> loadMeshFieldOrBand(const std::filesystem::path& path,
-                                                           const std::string& format,
+                                                           const std::string& format, const std::string& grid,
                                                            const MeshUnits& units) {
-  auto read = loadMeshFieldOrBand(path, format);
+  auto read = loadMeshFieldOrBand(path, format, grid);
   std::visit([&](auto& each) { convertUnits(each, units, named(path, format)); }, read);
   return read;
 }

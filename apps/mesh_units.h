@@ -72,9 +72,10 @@ void convertUnits(SparseField& band, const MeshUnits& units, const std::filesyst
 
 // Read a file as the functions of terminal.h do, and convert it.
 std::variant<Mesh, Field> loadMeshOrField(const std::filesystem::path& path, const std::string& format,
-                                          const MeshUnits& units);
+                                          const std::string& grid, const MeshUnits& units);
 std::variant<Mesh, Field, SparseField> loadMeshFieldOrBand(const std::filesystem::path& path,
-                                                           const std::string& format, const MeshUnits& units);
+                                                           const std::string& format, const std::string& grid,
+                                                           const MeshUnits& units);
 Mesh loadMesh(const std::filesystem::path& path, const std::string& format, const MeshUnits& units,
               bool allowEmpty = false);
 

@@ -41,14 +41,17 @@ using enum Takes;
 
 constexpr OptionRow kRows[] = {
     {"-o,--output", "--out", "Files", File, "FILE", "",
-     "File to write; its name ends in the format. A field: .vdb, .nrrd, .npz, .vti or .npy (without its "
+     "File to write; its name ends in the format. A field: .vdb, .nvdb, .nrrd, .npz, .vti or .npy (without "
+     "its "
      "grid). A mesh: .ply, .obj, .stl, .glb or .3mf. Points: .csv, .npy, .npz or .ply. A picture: .png; "
      "of --frames, also .mp4. A page: .html"},
     {"--format", "", "Files", Text, "FORMAT", "",
      "Format of - or of any file whose name does not end in it, e.g. stl; of the output, if that is such "
      "a file. An input without it is recognised by its first bytes"},
     {"--grid-name", "", "Files", Text, "NAME", "that of the array",
-     "Name of the grid of a .vdb: Houdini looks for surface"},
+     "Name of the grid in a .vdb or .nvdb to write: Houdini looks for surface"},
+    {"--grid", "", "Files", Text, "NAME", "the first level set",
+     "Name of the grid to read from a .vdb or .nvdb; of two fields, from both"},
     {"--half", "", "Files", Nothing, "", "",
      "Store the numbers of a .vdb in 16 bits: half the size, and distances to a thousandth of themselves"},
     {"--overwrite", "-f,--force", "Files", Nothing, "", "", "Allow an output to replace an input"},
@@ -121,7 +124,7 @@ constexpr OptionRow kRows[] = {
     {"--threshold", "", "Method", AboveZero, "W", "0.5",
      "A point is inside if |winding number| exceeds this"},
     {"--full-inside", "", "Method", Nothing, "", "",
-     "With --band: keep all distances inside, and clamp those outside, in a .vdb"},
+     "With --band: keep all distances inside, and clamp those outside, in a .vdb or .nvdb"},
     {"--band", "", "Method", FromZero, "SAMPLES", "0",
      "Clamp distances to this many samples; 0 does not clamp"},
     {"--close-holes", "!--no-close-holes,--fill-holes,!--no-fill-holes", "Method", Nothing, "",

@@ -328,8 +328,10 @@ void run(Arguments& arguments) {
   Report report;
   std::variant<Mesh, Field, SparseField> input;
   std::vector<glm::dvec3> points;
-  timeStep(report.before, "load",
-           [&] { input = loadMeshFieldOrBand(arguments.input, arguments.format.input, arguments.units); });
+  timeStep(report.before, "load", [&] {
+    input =
+        loadMeshFieldOrBand(arguments.input, arguments.format.input, arguments.format.grid, arguments.units);
+  });
   timeStep(report.before, "load points",
            [&] { points = loadPoints(arguments.points, arguments.format.input); });
   if (const Mesh* mesh = std::get_if<Mesh>(&input))
@@ -344,6 +346,7 @@ void run(Arguments& arguments) {
 void addResultOptions(CLI::App& command, Arguments& arguments) {
   addOption(command, "--output", arguments.results)->required();
   addOption(command, "--format", arguments.format.given);
+  addOption(command, "--grid", arguments.format.grid);
   addFigureOptions(command, arguments.stats);
   addOption(command, "--overwrite", arguments.mayOverwrite);
   addOption(command, "--arrays", arguments.arrays);

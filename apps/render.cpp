@@ -134,7 +134,8 @@ void checkFrames(const Arguments& arguments, const Sequence& sequence) {
 
 /// Draws each frame on one grid, before one camera. Holds one at a time.
 void renderFrames(Arguments& arguments) {
-  Sequence sequence(arguments.frames, arguments.input, arguments.format.input, arguments.units);
+  Sequence sequence(arguments.frames, arguments.input, arguments.format.input, arguments.units, false,
+                    arguments.format.grid);
   checkFrames(arguments, sequence);
   const Box bounds = sequence.bounds();
   const double pad = 0.5 * arguments.options.thickness;
@@ -170,7 +171,7 @@ Grid gridOfBoth(const MeshOrField& first, const MeshOrField& second, const GridO
 }
 
 MeshOrField load(const fs::path& path, const Arguments& arguments) {
-  return loadMeshOrField(path, arguments.format.input, arguments.units);
+  return loadMeshOrField(path, arguments.format.input, arguments.format.grid, arguments.units);
 }
 
 /// Returns a field as it is, or that of a mesh on a grid.
@@ -240,7 +241,7 @@ void renderPage(Arguments& arguments) {
 void renderOne(Arguments& arguments) {
   if (isPage(arguments)) return renderPage(arguments);
   if (!arguments.other.empty()) return renderOneOfTwo(arguments);
-  auto shape = loadFieldOrBand(arguments.input, arguments, arguments.format.input, {});
+  auto shape = loadFieldOrBand(arguments.input, arguments, arguments.format.input, arguments.format.grid, {});
   const auto drawAny = [&](auto& field) {
     return draw(field, chooseArray(arguments.input, arguments.as, field), arguments);
   };
@@ -286,6 +287,7 @@ void addRender(CLI::App& app) {
   command->add_option("other", arguments->other, "Another one to compare with")->type_name("MESH|FIELD");
   addOption(*command, "--output", arguments->picture)->required();
   addOption(*command, "--format", arguments->format.given);
+  addOption(*command, "--grid", arguments->format.grid);
   addOption(*command, "--overwrite", arguments->mayOverwrite);
   addFrameOptions(*command, arguments->frames);
   addUnitOptions(*command, arguments->units);

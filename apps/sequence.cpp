@@ -56,8 +56,13 @@ fs::path framePath(const fs::path& pattern, int frame) {
 }
 
 Sequence::Sequence(const FrameArguments& arguments, const fs::path& input, const std::string& format,
-                   const MeshUnits& units, bool allowEmpty)
-    : fps_(arguments.fps), input_(input), format_(format), units_(units), allowEmpty_(allowEmpty) {
+                   const MeshUnits& units, bool allowEmpty, const std::string& grid)
+    : fps_(arguments.fps),
+      input_(input),
+      format_(format),
+      grid_(grid),
+      units_(units),
+      allowEmpty_(allowEmpty) {
   parse(arguments.frames);
   const bool isNumbered = input.filename().string().find('%') != std::string::npos;
   if (!isNumbered && hasExtension(input, {".gltf", ".glb"})) {
@@ -135,9 +140,10 @@ std::variant<Mesh, Field> Sequence::read(size_t i) {
   if (animated_)
     result = pose(i);
   else
-    result = readMeshOrField(
-        input(i),
-        {.format = format_, .warn = i < seen_ ? WarningCallback() : warn, .allowEmpty = allowEmpty_});
+    result = readMeshOrField(input(i), {.format = format_,
+                                        .warn = i < seen_ ? WarningCallback() : warn,
+                                        .allowEmpty = allowEmpty_,
+                                        .gridName = grid_});
   seen_ = std::max(seen_, i + 1);
   std::visit([&](auto& shape) { convertUnits(shape, units_, path); }, result);
   // `convertUnits` says which unit it supposes. Named from then on, it is not said of each frame.

@@ -34,7 +34,7 @@ class Sequence {
   /// Throws `Error(Usage)` if the options contradict the input, `Error(File)` if a numbered file is missing,
   /// and as `readAnimatedMesh` does.
   Sequence(const FrameArguments& arguments, const std::filesystem::path& input, const std::string& format,
-           const MeshUnits& units, bool allowEmpty = false);
+           const MeshUnits& units, bool allowEmpty = false, const std::string& grid = "");
 
   size_t size() const { return size_; }
   int frame(size_t i) const { return first_ + static_cast<int>(i) * step_; }
@@ -60,7 +60,7 @@ class Sequence {
   size_t size_ = 0, seen_ = 0;
   double fps_;
   std::filesystem::path input_;
-  std::string format_;
+  std::string format_, grid_;
   MeshUnits units_;
   bool allowEmpty_;
   std::optional<AnimatedMesh> animated_;

@@ -328,25 +328,26 @@ void finishText() {
 }
 
 std::variant<Mesh, Field> loadMeshOrField(const std::filesystem::path& path, const std::string& format,
-                                          bool allowEmpty) {
+                                          const std::string& grid, bool allowEmpty) {
   const WaitingLine line("reading " + displayName(path.filename()));
-  return readMeshOrField(path, {.format = format, .warn = warn, .allowEmpty = allowEmpty});
+  return readMeshOrField(path, {.format = format, .warn = warn, .allowEmpty = allowEmpty, .gridName = grid});
 }
 
 std::variant<Mesh, Field, SparseField> loadMeshFieldOrBand(const std::filesystem::path& path,
-                                                           const std::string& format) {
+                                                           const std::string& format,
+                                                           const std::string& grid) {
   const WaitingLine line("reading " + displayName(path.filename()));
-  return readMeshFieldOrBand(path, {.format = format, .warn = warn});
+  return readMeshFieldOrBand(path, {.format = format, .warn = warn, .gridName = grid});
 }
 
 Mesh loadMesh(const std::filesystem::path& path, const std::string& format, bool allowEmpty) {
-  std::variant<Mesh, Field> read = loadMeshOrField(path, format, allowEmpty);
+  std::variant<Mesh, Field> read = loadMeshOrField(path, format, "", allowEmpty);
   if (Mesh* mesh = std::get_if<Mesh>(&read)) return std::move(*mesh);
   failKind(path, "a field, and a mesh", "mesh", ".ply");
 }
 
-Field loadFieldOnly(const std::filesystem::path& path, const std::string& format) {
-  std::variant<Mesh, Field> read = loadMeshOrField(path, format);
+Field loadFieldOnly(const std::filesystem::path& path, const std::string& format, const std::string& grid) {
+  std::variant<Mesh, Field> read = loadMeshOrField(path, format, grid);
   if (Field* field = std::get_if<Field>(&read)) return std::move(*field);
   failKind(path, "a mesh, and a field", "generate", ".npz");
 }

@@ -159,14 +159,17 @@ std::string withDisplayNames(std::string message);
 void finishText();
 
 /// Reads a mesh or a field. Prints warnings and, after a second, how long it takes. `format` counts if the
-/// name does not tell. A mesh without triangles is an error, unless `allowEmpty`.
+/// name does not tell, and `grid` names that of a field to read. A mesh without triangles is an error, unless
+/// `allowEmpty`.
 std::variant<Mesh, Field> loadMeshOrField(const std::filesystem::path& path, const std::string& format = "",
-                                          bool allowEmpty = false);
+                                          const std::string& grid = "", bool allowEmpty = false);
 /// Does the same, but reads a large level set as a narrow band; see `readMeshFieldOrBand`.
 std::variant<Mesh, Field, SparseField> loadMeshFieldOrBand(const std::filesystem::path& path,
-                                                           const std::string& format = "");
+                                                           const std::string& format = "",
+                                                           const std::string& grid = "");
 // Read one of both. Throw `Error(Usage)` that names the command which converts the other one.
 Mesh loadMesh(const std::filesystem::path& path, const std::string& format = "", bool allowEmpty = false);
-Field loadFieldOnly(const std::filesystem::path& path, const std::string& format = "");
+Field loadFieldOnly(const std::filesystem::path& path, const std::string& format = "",
+                    const std::string& grid = "");
 
 }  // namespace raymap

@@ -30,6 +30,7 @@ HEADERS = {
     "expat": r"expat\.h",
     "pugixml": r"pugixml",
     "OpenVDB": r"openvdb/",
+    "NanoVDB": r"nanovdb/",
     "Assimp": r"assimp/",
     "nlohmann-json": r"nlohmann/",
     "volk": r"volk\.h",

@@ -16,6 +16,7 @@ packages=(
   glslc spirv-cross              # shaders, also in the language of browsers
   libpugixml-dev libzip-dev libexpat1-dev  # .vti, .npz and .3mf
   libopenvdb-dev libboost-dev libboost-iostreams-dev  # .vdb (and a benchmark's peer), and what its headers need
+  libnanovdb-dev                 # .nvdb
   libcli11-dev                   # the command line
   libvulkan-dev libvulkan-volk-dev  # GPUs: headers, the loader's loader;
   mesa-vulkan-drivers vulkan-validationlayers  # and a GPU in software to test on, and checks of how it is used
@@ -32,6 +33,7 @@ checks=(
   pkg-config                     # the installed library
   chromium-driver                # pages in a browser
   xvfb xdotool                   # the window
+  libnanovdb-tools               # another judge of .nvdb files
 )
 peers=(
   libbenchmark-dev               # single stages

@@ -292,10 +292,10 @@ RAYMAP_API raymap_result raymap_field_sample(const raymap_field* field, const do
 RAYMAP_API raymap_mesh* raymap_isosurface(const raymap_field* field, double iso,
                                           const raymap_options* options);
 
-/* Reads .nrrd, .npz, .npy, .vti or .vdb. Of the options only the warning callback counts; they may be NULL.
+/* Reads .nrrd, .npz, .npy, .vti, .vdb or .nvdb. Of the options only the warning callback counts, if not NULL.
  * It is called if the file has arrays that a field has not. Not in builds without files. */
 RAYMAP_API raymap_field* raymap_field_load(const char* path, const raymap_options* options);
-/* Writes one array as .nrrd, .npz, .npy, .vti or .vdb by extension: "distance" (or NULL), "winding",
+/* Writes one array as .nrrd, .npz, .npy, .vti, .vdb or .nvdb by extension: "distance" (or NULL), "winding",
  * "confidence" or "triangle". The file appears whole or not at all. Not in builds without files. */
 RAYMAP_API raymap_result raymap_field_write(const raymap_field* field, const char* path, const char* array);
 
@@ -486,7 +486,7 @@ RAYMAP_API raymap_result raymap_sparse_field_sample(const raymap_sparse_field* f
  * and memory grow with the surface. */
 RAYMAP_API raymap_mesh* raymap_sparse_field_isosurface(const raymap_sparse_field* field, double iso,
                                                        const raymap_options* options);
-/* Writes a narrow band with all its arrays as .vdb. The file appears whole or not at all. raymap_field_load
+/* Writes a narrow band with all its arrays as .vdb or .nvdb, whole or not at all. raymap_field_load
  * reads it as a field of all samples. Not in builds without files. */
 RAYMAP_API raymap_result raymap_sparse_field_write(const raymap_sparse_field* field, const char* path);
 

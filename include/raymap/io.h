@@ -29,7 +29,7 @@ struct ReadOptions {
   std::string_view format = {};    ///< Extension that counts where the path has none that is known.
   WarningCallback warn = {};       ///< Called with what is odd in the file, but does not stop the call.
   bool allowEmpty = false;         ///< Whether a mesh may have no triangles; see `FieldOptions`.
-  std::string_view gridName = {};  ///< Name of the grid to read of a .vdb; empty: the first level set.
+  std::string_view gridName = {};  ///< Grid to read of a .vdb or .nvdb; empty: the first level set.
 };
 
 /// Reads OBJ, PLY, STL, OFF, glTF/GLB, 3MF, FBX or DAE. The extension decides which; text and binary STL
@@ -83,12 +83,12 @@ RAYMAP_API std::vector<std::string> writableMeshExtensions();
 /// Returns those that `readField` and `writeField` know.
 RAYMAP_API std::vector<std::string> fieldExtensions();
 
-/// Reads .nrrd, .npz, .npy, .vti or .vdb. A .npy has no grid: the result has origin 0 and spacing 1. Warns of
+/// Reads .nrrd, .npz, .npy, .vti, .vdb or .nvdb. A .npy has no grid: its origin is 0, its spacing 1. Warns of
 /// arrays of the file that a field has no place for. Throws `Error`: Usage for another extension, File,
 /// Input, Memory, Unsupported.
 RAYMAP_API Field readField(const std::filesystem::path& path, const ReadOptions& options = {});
 
-/// Reads a level set of a .vdb as a narrow band, of this library or of any other program. Time and memory
+/// Reads a level set of a .vdb or .nvdb as a narrow band, whichever program wrote it. Time and memory
 /// grow with its leaves. Every sample has the value that OpenVDB gives.
 ///
 /// What `writeBand` wrote comes back bit for bit, if no distance has 16 bits. Tiles come as the largest cubes
@@ -97,9 +97,9 @@ RAYMAP_API Field readField(const std::filesystem::path& path, const ReadOptions&
 /// value inside. If none is inactive there, the band has the same width inside, or none if a value is deeper.
 /// Arrays of a field of all samples are kept in its leaves alone.
 ///
-/// Warns of grids that are not read. Throws `Error`: Usage for another format or a name that no grid has,
-/// which lists the names; Unsupported for a grid that is no level set of floats, is turned, mirrored or not
-/// of cubes, or has more than 2^24 samples along an axis; File, Input, Memory.
+/// Warns of grids that are not read, unless one is named. Throws `Error`: Usage for another format or a name
+/// that no grid has, which lists the names; Unsupported for a grid that is no level set of floats, is turned,
+/// mirrored or not of cubes, or has more than 2^24 samples along an axis; File, Input, Memory.
 RAYMAP_API SparseField readBand(const std::filesystem::path& path, const ReadOptions& options = {});
 
 /// Reads a mesh or a field, whichever the file holds, as `readMesh` and `readField` do.
@@ -111,30 +111,30 @@ RAYMAP_API std::variant<Mesh, Field, SparseField> readMeshFieldOrBand(const std:
 
 /// How to write a field.
 struct FieldWriteOptions {
-  /// Array to write. With the distance, .npz, .vti and .vdb hold all other arrays of the field too.
+  /// Array to write. With the distance, all but .npy and .nrrd hold all other arrays of the field too.
   FieldArray array = FieldArray::Distance;
   std::string_view format = {};    ///< Extension that counts where the path has none that is known.
-  std::string_view gridName = {};  ///< Name of the array's grid in a .vdb; empty: that of the array.
+  std::string_view gridName = {};  ///< Name of the array's grid in a .vdb or .nvdb; empty: its own.
   bool half = false;               ///< Whether a .vdb stores numbers that are not whole in 16 bits.
 };
 
-/// Writes one array of a field as .nrrd, .npz, .npy, .vti or .vdb by extension. The file appears whole or not
+/// Writes one array of a field as .nrrd, .npz, .npy, .vti, .vdb or .nvdb. The file appears whole or not
 /// at all. Throws `Error`: Usage for another extension, an array that the field does not have or a grid
-/// without samples or with numbers that are not finite, a name or 16 bits for another format than .vdb, 16
+/// without samples or with numbers that are not finite, a name for a format without, 16 bits but for .vdb, 16
 /// bits for distances beyond 65504 or samples closer than 0.0001; File.
 RAYMAP_API void writeField(const std::filesystem::path& path, const Field& field,
                            const FieldWriteOptions& options = {});
 
-/// Writes a narrow band with all its arrays as .vdb. Its memory, and the file, grow with the surface. The
+/// Writes a narrow band with all its arrays as .vdb or .nvdb. Memory and file grow with the surface. The
 /// file appears whole or not at all. `readBand` reads it, and `readField` as a field of all samples. Throws
 /// `Error`: Usage for another extension or array than the distance and as `writeField` does, File,
 /// Unsupported in a build without OpenVDB.
 RAYMAP_API void writeBand(const std::filesystem::path& path, const SparseField& band,
                           const FieldWriteOptions& options = {});
 
-/// Writes several narrow bands as grids of one .vdb; `ReadOptions::gridName` chooses one of them. Throws as
-/// `writeBand` does, and Usage if there is no band, if two names are the same or one is empty, for
-/// `FieldWriteOptions::gridName`, and for bands with other arrays than the distance.
+/// Writes several narrow bands as grids of one file; `ReadOptions::gridName` chooses one. The further arrays
+/// of a band 'body' are grids as 'body.winding', and are read with it. Throws as `writeBand` does, and Usage
+/// if there is no band, two grids have one name or one has none, and for `FieldWriteOptions::gridName`.
 RAYMAP_API void writeBands(const std::filesystem::path& path, std::span<const NamedBand> bands,
                            const FieldWriteOptions& options = {});
 

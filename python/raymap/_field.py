@@ -180,10 +180,10 @@ class Field(GridField):
         return divided.clip(-1, 1)
 
     def save(self, path: str | os.PathLike[str], array: FieldArray = "distance") -> None:
-        """Writes .vdb, .nrrd, .npz, .npy or .vti by extension. The file appears whole or not at all.
+        """Writes .vdb, .nvdb, .nrrd, .npz, .npy or .vti by extension. The file appears whole or not at all.
 
         Args:
-            path: File to write. A .npz, .vti or .vdb holds every array; a .npy holds no grid. The .npz of a field that
+            path: File to write. A .npz, .vti, .vdb or .nvdb holds every array; a .npy holds no grid. The .npz of a field that
                 ``normalize`` made also holds ``centre`` and ``scale``. Other files have no place for them.
             array: Array to write into the other formats.
 
@@ -499,14 +499,18 @@ def _restore(
     return restored
 
 
-def load_field(path: str | os.PathLike[str]) -> Field:
-    """Reads a field, negative inside: .vdb, .nrrd, .npz, .npy or .vti by extension.
+def load_field(path: str | os.PathLike[str], grid: str | None = None) -> Field:
+    """Reads a field, negative inside: .vdb, .nvdb, .nrrd, .npz, .npy or .vti by extension.
 
     A .npy has no grid: the result has the origin 0 and the spacing 1. A warning (``RaymapWarning``) names arrays of the
-    file that a field has no place for.
+    file that a field has no place for. ``SparseField.load`` reads the leaves of a .vdb or .nvdb alone.
+
+    Args:
+        path: The file.
+        grid: Name of the grid in a .vdb or .nvdb; None = the first level set.
 
     Raises:
-        UsageError: Another extension.
+        UsageError: Another extension, or no grid has that name; the message lists those of the file.
         FileError: The file cannot be read.
         InputError: Its content is not valid.
         UnsupportedError: For example a rotated grid.
@@ -515,5 +519,5 @@ def load_field(path: str | os.PathLike[str]) -> Field:
     >>> raymap.load_field("ball.vdb")
     raymap.Field(16 x 16 x 16 samples, spacing 0.15, arrays distance)
     """
-    core = _raymap.load_field(os.fspath(path))
+    core = _raymap.load_field(os.fspath(path), to_text("grid", "" if grid is None else grid))
     return field_of_core(core, read_frame(Path(path)) if os.fspath(path).lower().endswith(".npz") else IDENTITY)

@@ -68,17 +68,18 @@ class SparseField(GridField):
 
     @classmethod
     def load(cls, path: str | os.PathLike[str], grid: str | None = None) -> SparseField:
-        """Reads a level set of a .vdb, of raymap or any other program, negative inside.
+        """Reads a level set of a .vdb or .nvdb, of raymap or any other program, negative inside.
 
         Time and memory grow with its leaves. What ``save`` wrote comes back bit for bit. The grid of another program's
-        file begins and ends with whole leaves of 8 samples. A warning (``RaymapWarning``) names grids that are not read.
+        file begins and ends with whole leaves of 8 samples. Without ``grid``, a warning (``RaymapWarning``)
+        names grids that are not read.
 
         Args:
             path: The file.
             grid: Name of the grid; None = the first level set.
 
         Raises:
-            UsageError: Another extension, or no grid has that name.
+            UsageError: Another extension, or no grid has that name; the message lists those of the file.
             FileError: The file cannot be read.
             InputError: Its content is not valid.
             UnsupportedError: For example a rotated grid, or one that is no level set.
@@ -235,14 +236,14 @@ class SparseField(GridField):
         return field_of_core(self._core.to_dense(to_machine("cpu", threads, memory_limit)))
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Writes all arrays as .vdb, whose size grows with the surface. The file appears whole or not at all.
+        """Writes all arrays as .vdb or .nvdb, which grow with the surface. The file appears whole or not at all.
 
         ``SparseField.load`` reads it, and ``raymap.load_field`` as a dense field.
 
         Raises:
             UsageError: Another extension.
             FileError: The file cannot be written.
-            UnsupportedError: This build cannot write .vdb.
+            UnsupportedError: This build cannot write .vdb and .nvdb.
 
         >>> raymap.generate("ball.ply", resolution=64, sparse=True).save("band.vdb")
         """

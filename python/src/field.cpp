@@ -40,10 +40,10 @@ std::shared_ptr<FieldHandle> makeField(const std::tuple<int, int, int>& dims, co
   return handle;
 }
 
-std::shared_ptr<FieldHandle> load(const std::filesystem::path& path) {
+std::shared_ptr<FieldHandle> load(const std::filesystem::path& path, const std::string& grid) {
   Call call{nb::none()};
   auto handle = std::make_shared<FieldHandle>();
-  call.run([&] { handle->field = readField(path, {.warn = call.warn()}); });
+  call.run([&] { handle->field = readField(path, {.warn = call.warn(), .gridName = grid}); });
   return handle;
 }
 
@@ -70,7 +70,7 @@ void bindField(nb::module_& module) {
             writeField(path, self.field, {.array = fromName<FieldArray>(array), .format = format});
           },
           "path"_a, "array"_a, "format"_a = "", nb::call_guard<nb::gil_scoped_release>());
-  module.def("load_field", &load, "path"_a);
+  module.def("load_field", &load, "path"_a, "grid"_a);
 }
 
 }  // namespace raymap::python

@@ -137,7 +137,7 @@ def test_samples_outside_of_the_box_are_lower_bounds(ball):
             raymap.Field(field.distance, surface_bounds=wrong)
 
 
-@pytest.mark.parametrize("ending", [".nrrd", ".npz", ".vti", ".vdb"])
+@pytest.mark.parametrize("ending", [".nrrd", ".npz", ".vti", ".vdb", ".nvdb"])
 def test_files_keep_the_bounds_of_the_surface(field, ending):
     field.save("kept" + ending)
     np.testing.assert_array_equal(raymap.load_field("kept" + ending).surface_bounds, field.surface_bounds)
@@ -178,7 +178,7 @@ def test_to_mesh_is_closed_and_at_the_distance(field):
         field.to_mesh(0.5)
 
 
-@pytest.mark.parametrize("extension", ["vdb", "nrrd", "npz", "npy", "vti"])
+@pytest.mark.parametrize("extension", ["vdb", "nvdb", "nrrd", "npz", "npy", "vti"])
 def test_files_give_back_the_same_bits(field, extension):
     path = f"field.{extension}"
     field.save(path)

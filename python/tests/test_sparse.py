@@ -240,8 +240,9 @@ def test_it_is_written(band, tmp_path):
         band.save(tmp_path / "ball.npz")
 
 
-def test_it_is_read(band, tmp_path):
-    path = tmp_path / "ball.vdb"
+@pytest.mark.parametrize("extension", ["vdb", "nvdb"])
+def test_it_is_read(band, tmp_path, extension):
+    path = tmp_path / f"ball.{extension}"
     band.save(path)
     for again in raymap.SparseField.load(path), raymap.SparseField.load(str(path), grid="distance"):
         assert again.arrays == band.arrays and again.outside == band.outside and again.inside == band.inside
@@ -249,7 +250,13 @@ def test_it_is_read(band, tmp_path):
             np.testing.assert_array_equal(getattr(again, name), getattr(band, name))
     with pytest.raises(raymap.UsageError, match="its grids are 'confidence', 'distance', 'triangle', 'winding'"):
         raymap.SparseField.load(path, grid="surface")
-    with pytest.raises(TypeError, match="grid must be a text"):
-        raymap.SparseField.load(path, grid=3)
+    winding = raymap.load_field(path, grid="winding")
+    assert winding.arrays == ("winding",)
+    np.testing.assert_array_equal(winding.winding, raymap.load_field(path).winding)
+    with pytest.raises(raymap.UsageError, match="it has no grid 'surface'; its grids are"):
+        raymap.load_field(path, grid="surface")
+    for load in raymap.SparseField.load, raymap.load_field:
+        with pytest.raises(TypeError, match="grid must be a text"):
+            load(path, grid=3)
     with pytest.raises(raymap.FileError):
         raymap.SparseField.load(tmp_path / "missing.vdb")

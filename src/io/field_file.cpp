@@ -24,7 +24,7 @@ struct Format {
                 LeftOut& leftOut);  ///< Null for a format that has `readChosen`.
   void (*write)(std::ostream& out, const Field& field, const NamedArray& array);
   bool goesBack = false;  ///< Whether the writer goes back in its stream.
-  // Reader and writers of the one format that has names, sizes of numbers and narrow bands.
+  // Reader and writers of the formats that have grids with names and narrow bands.
   std::variant<Field, SparseField> (*readChosen)(const SourceFile& source, LeftOut& leftOut,
                                                  const GridChoice& grid) = nullptr;
   void (*writeNamed)(std::ostream& out, const Field& field, const NamedArray& array,
@@ -43,8 +43,9 @@ constexpr std::array kFormats{
     Format{".vti", readVti, writeVti},
 #ifdef RAYMAP_OPENVDB
     Format{".vdb", nullptr, nullptr, true, readVdb, writeVdb, writeVdb},
+    Format{".nvdb", nullptr, nullptr, false, readNvdb, writeNvdb, writeNvdb},
 #else
-    Format{".vdb", nullptr, nullptr},
+    Format{".vdb", nullptr, nullptr},        Format{".nvdb", nullptr, nullptr},
 #endif
 };
 
@@ -67,13 +68,24 @@ NamedArray arrayOf(const Field& field, FieldArray asked) {
   return *found;
 }
 
+void checkLength(const fs::path& path, const Format& format, const std::string& gridName) {
+  constexpr size_t kMost = 255;  // NanoVDB's.
+  if (format.extension == ".nvdb" && gridName.size() > kMost)
+    throw Error(ErrorCode::Usage, path.string() + ": the name of a grid has " +
+                                      std::to_string(gridName.size()) +
+                                      " bytes, and a .nvdb holds 255; choose a shorter one");
+}
+
 /// Throws `Error(Usage)` unless the format has what the options ask for.
 void checkStorage(const fs::path& path, const Format& format, const Grid& grid, double farthest,
                   const FieldWriteOptions& options) {
   constexpr double kMostHalf = 65504.0, kLeastSpacing = 1e-4;
-  if (!format.writeNamed && (!options.gridName.empty() || options.half))
-    throw Error(ErrorCode::Usage, path.string() + ": only a .vdb has a grid's name and numbers of 16 bits");
+  if (!format.writeNamed && !options.gridName.empty())
+    throw Error(ErrorCode::Usage, path.string() + ": only a .vdb or .nvdb has a grid's name; leave it out");
+  if (options.half && format.extension != ".vdb")
+    throw Error(ErrorCode::Usage, path.string() + ": only a .vdb has numbers of 16 bits; use 32");
   const std::string name(options.gridName);
+  checkLength(path, format, name);
   if (std::ranges::any_of(kArrayNames, [&](std::string_view other) {
         return other == name && other != kArrayNames[size_t(options.array)];
       }))
@@ -116,14 +128,14 @@ std::variant<Field, SparseField> readFieldAs(const SourceFile& source, std::stri
     throw Error(ErrorCode::Usage, path + ": it is a mesh, and a field is needed; generate one of it");
   const Format& found = findFormat(source.path(), format);
   if (!found.readChosen && !options.gridName.empty())
-    throw Error(ErrorCode::Usage, path + ": only a .vdb has grids with names; leave the name out");
+    throw Error(ErrorCode::Usage, path + ": only a .vdb or .nvdb has grids with names; leave the name out");
   if (!found.readChosen && mostDense == 0)
     throw Error(ErrorCode::Usage, path + ": a " + std::string(found.extension) +
                                       " holds no narrow bands; read it as a field, and make a band of it");
   LeftOut leftOut;
   auto field = found.readChosen ? found.readChosen(source, leftOut, {options.gridName, mostDense})
                                 : std::variant<Field, SparseField>(found.read(source, leftOut));
-  if (options.warn && !leftOut.empty())
+  if (options.warn && !leftOut.empty() && options.gridName.empty())
     options.warn({WarningCode::FileContent,
                   path + ": it also holds " + listed(leftOut) + ", which a field has no place for",
                   {.file = path}});
@@ -156,10 +168,23 @@ const Format& bandFormat(const fs::path& path, const FieldWriteOptions& options)
   const Format& format = findFormat(path, formatOf(path, options.format, fieldExtensions()));
   if (!format.writeBands)
     throw Error(ErrorCode::Usage, path.string() + ": a " + std::string(format.extension) +
-                                      " holds no narrow bands; write a .vdb, or a whole field");
+                                      " holds no narrow bands; write a .vdb or .nvdb, or a whole field");
   if (options.array != FieldArray::Distance)
     throw Error(ErrorCode::Usage, "the file of a narrow band holds the distance and all other arrays");
   return format;
+}
+
+/// Returns the names of all grids of one of several bands.
+std::vector<std::string> gridNames(const NamedBand& each) {
+  const SparseField& band = *each.band;
+  std::vector<std::string> names{std::string(each.name)};
+  const auto add = [&](std::string_view array, bool isHeld) {
+    if (isHeld) names.push_back(arrayGridName(each.name, array));
+  };
+  add("triangle", !band.triangle.empty());
+  add("winding", !band.winding.empty());
+  add("confidence", !band.confidence.empty());
+  return names;
 }
 
 void writeAllBands(const fs::path& path, const Format& format, std::span<const NamedBand> bands,
@@ -186,19 +211,19 @@ void writeBands(const fs::path& path, std::span<const NamedBand> bands, const Fi
   };
   require(!bands.empty(), "it must hold at least one narrow band");
   require(options.gridName.empty(), "each narrow band has a name of its own; leave the other one out");
-  std::vector<std::string_view> names;
+  std::vector<std::string> names;
   for (const NamedBand& each : bands) {
     const std::string name(each.name);
     require(!name.empty(), "each of several narrow bands needs a name");
-    require(std::ranges::find(names, each.name) == names.end(),
-            "two narrow bands have the name '" + name + "'; choose another for one of them");
-    require(
-        each.band->triangle.empty() && each.band->winding.empty() && each.band->confidence.empty(),
-        "of several narrow bands a file holds the distances; leave out the other arrays of '" + name + "'");
-    names.push_back(each.name);
     FieldWriteOptions one = options;
     one.gridName = each.name;
     checkBand(path, format, *each.band, one);
+    for (const std::string& grid : gridNames(each)) {
+      require(std::ranges::find(names, grid) == names.end(),
+              "two grids have the name '" + grid + "'; choose another for one of the bands");
+      checkLength(path, format, grid);
+      names.push_back(grid);
+    }
   }
   writeAllBands(path, format, bands, options);
 }

@@ -24,13 +24,10 @@ struct Signature {
   std::string_view format;
 };
 
-constexpr std::array kSignatures{Signature{"ply\n", ".ply"},
-                                 Signature{"ply\r", ".ply"},
-                                 Signature{"glTF", ".glb"},
-                                 Signature{"NRRD000", ".nrrd"},
-                                 Signature{"\x93NUMPY", ".npy"},
-                                 Signature{" BDV", ".vdb"},
-                                 Signature{"Kaydara FBX Binary", ".fbx"},
+constexpr std::array kSignatures{Signature{"ply\n", ".ply"},     Signature{"ply\r", ".ply"},
+                                 Signature{"glTF", ".glb"},      Signature{"NRRD000", ".nrrd"},
+                                 Signature{"\x93NUMPY", ".npy"}, Signature{" BDV", ".vdb"},
+                                 Signature{"NanoVDB", ".nvdb"},  Signature{"Kaydara FBX Binary", ".fbx"},
                                  Signature{"; FBX", ".fbx"}};
 
 std::string lower(std::string_view text) {

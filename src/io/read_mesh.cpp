@@ -77,7 +77,8 @@ std::variant<Mesh, Field, SparseField> readAny(const std::filesystem::path& path
         },
         readFieldAs(source, found, options, mostDense));
   if (!options.gridName.empty())
-    throw Error(ErrorCode::Usage, path.string() + ": only a .vdb has grids with names; leave the name out");
+    throw Error(ErrorCode::Usage,
+                path.string() + ": only a .vdb or .nvdb has grids with names; leave the name out");
   if (contains(known, found)) return readMeshAs(source, found, options);
   throw Error(ErrorCode::Unsupported,
               path.string() + ": neither its name nor its bytes tell whether this is a mesh or a field; " +

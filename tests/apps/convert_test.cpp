@@ -101,12 +101,12 @@ TEST_F(CliConvert, SaysWhatItDrops) {
   EXPECT_EQ(run("convert f.npz one.nrrd").err,
             "raymap: warning: one.nrrd: it has no place for these, which are left out: the array winding, "
             "the array "
-            "triangle; a .npz, .vti or .vdb holds all\n");
+            "triangle; a .npz, .vti, .vdb or .nvdb holds all\n");
   succeed("convert one.nrrd same.nrrd");
-  EXPECT_EQ(
-      run("convert one.nrrd a.npy").err,
-      "raymap: warning: a.npy: it has no place for these, which are left out: the grid; a .npz, .vti or .vdb "
-      "holds all\n");
+  EXPECT_EQ(run("convert one.nrrd a.npy").err,
+            "raymap: warning: a.npy: it has no place for these, which are left out: the grid; a .npz, .vti, "
+            ".vdb or .nvdb "
+            "holds all\n");
   field.distance = {};
   writeField(path("w.npz"), field, {.array = FieldArray::Winding});
   succeed("convert w.npz w.nrrd");
@@ -152,6 +152,79 @@ TEST_F(CliConvert, KeepsLargeLevelSetsAsNarrowBands) {
   EXPECT_EQ(info["max"], double(*std::ranges::max_element(dense.distance)));
   EXPECT_EQ(info["inside"], std::ranges::count_if(dense.distance, [](float d) { return d < 0.0f; }));
   EXPECT_NE(succeed("info band.vdb").out.find("active samples"), std::string::npos);
+}
+
+/// Expects that a band of another lattice has the samples of `band`, up to rounding.
+void expectSameSamples(const SparseField& read, const SparseField& band, double rounding = 0.0) {
+  EXPECT_TRUE(rounding > 0.0 || read.activeCount() == band.activeCount());
+  EXPECT_DOUBLE_EQ(read.grid.spacing, band.grid.spacing);
+  const glm::ivec3 offset(glm::round((read.grid.origin - band.grid.origin) / band.grid.spacing));
+  size_t different = 0;
+  for (size_t l = 0; l < read.leaves.size(); ++l)
+    for (int i = 0; i < int(SparseField::kLeafSamples); ++i) {
+      const glm::ivec3 within(i % 8, i / 8 % 8, i / 64);
+      const float expected = band.distanceAt(read.leaves[l] + within + offset);
+      const float found = read.distance[l * SparseField::kLeafSamples + size_t(i)];
+      different += std::abs(double(found) - expected) <= rounding ? 0 : 1;
+    }
+  EXPECT_EQ(different, 0U);
+}
+
+TEST_F(CliConvert, AgreesWithNanoVdbsTools) {
+  const std::vector<std::string> extensions = fieldExtensions();
+  if (std::ranges::find(extensions, ".nvdb") == extensions.end()) GTEST_SKIP();
+  if (shell("type nanovdb_validate nanovdb_convert").code != 0) GTEST_SKIP() << "without libnanovdb-tools";
+  const Mesh mesh = shapes::torus(1.0, 0.4, 40, 20);
+  const SparseField band = Surface(mesh).generateBand(fitGrid(mesh, {.resolution = 90}), {.triangle = true});
+  const SparseField other = Surface(mesh).generateBand(fitGrid(mesh, {.resolution = 30}), {.winding = true});
+  writeBand(path("band.vdb"), band);
+  succeed("convert band.vdb band.nvdb");
+  EXPECT_TRUE(std::ranges::equal(readBand(path("band.nvdb")).distance, band.distance));
+  writeBands(path("both.nvdb"), std::array{NamedBand{"a", &band}, NamedBand{"b", &other}});
+  writeField(path("dense.nvdb"), toDense(band));
+  for (const char* name : {"band.nvdb", "both.nvdb", "dense.nvdb"}) {  // It ends with 0, whatever it finds.
+    const Result valid = shell(std::string("nanovdb_validate ") + name);
+    EXPECT_EQ(valid.code, 0) << valid.err;
+    EXPECT_EQ((valid.out + valid.err).find("ailed"), std::string::npos) << name << valid.out << valid.err;
+  }
+  for (const char* codec : {"", "-z"}) {
+    EXPECT_EQ(shell(std::string("nanovdb_convert -f ") + codec + " -g distance band.vdb foreign.nvdb").code,
+              0);
+    expectSameSamples(readBand(path("foreign.nvdb")), band);
+  }
+  EXPECT_EQ(shell("nanovdb_convert -f -g distance band.nvdb again.vdb").code, 0);
+  expectSameSamples(readBand(path("again.vdb")), band);
+  EXPECT_EQ(shell("nanovdb_convert -f --fp16 -g distance band.vdb rounded.nvdb").code, 0);
+  expectSameSamples(readBand(path("rounded.nvdb")), band, 2.0 * band.outside / 65535.0);
+}
+
+TEST_F(CliConvert, ReadsTheGridThatItIsTold) {
+  const std::vector<std::string> extensions = fieldExtensions();
+  if (std::ranges::find(extensions, ".vdb") == extensions.end()) GTEST_SKIP();
+  const Mesh mesh = shapes::sphere(1.0, 3);
+  const Grid grid = fitGrid(mesh, {.resolution = 20});
+  const SparseField near = Surface(mesh).generateBand(grid),
+                    far = Surface(mesh).generateBand(grid, {.outside = 5.0});
+  for (const std::string file : {"both.vdb", "both.nvdb"}) {
+    writeBands(path(file), std::array{NamedBand{"near", &near}, NamedBand{"far", &far}});
+    const auto convert = [&](const std::string& name) {
+      return "convert " + file + " read.npz --grid " + name;
+    };
+    succeed(convert("near"));
+    EXPECT_TRUE(std::ranges::equal(readField(path("read.npz")).distance, toDense(near).distance));
+    expectFailure(convert("middle"), ErrorCode::Usage, "no grid 'middle'; its grids are 'far', 'near'");
+    const Json info = Json::parse(succeed("info --json --grid near " + file).out);
+    EXPECT_EQ(info["max"], double(float(near.outside)));
+    succeed("mesh --grid near -o a.ply " + file);
+    std::ofstream(path("points.csv")) << "x,y,z\n0.9,0.1,0\n";
+    succeed("query --grid near -o a.csv " + file + " points.csv");
+    succeed("render --grid near --size 16 16 -o a.png " + file);
+    succeed("render --grid near --size 16 16 -o a.png " + file + " " + file);
+    expectFailure("compare --grid near " + file + " read.npz", ErrorCode::Usage, "leave the name out");
+    EXPECT_EQ(Json::parse(succeed("compare --json --grid near " + file + " " + file).out)["differences"], 0);
+  }
+  writeTorus();
+  expectFailure("info torus.ply --grid near", ErrorCode::Usage, "leave the name out");
 }
 
 TEST_F(CliConvert, SaysWhatItDoesNotRead) {

@@ -102,9 +102,9 @@ TEST_F(CliPipes, KeepsPipesAndEndsWithThem) {
 TEST_F(CliPipes, NamesTheFormatsOfPipes) {
   writeTorus();
   const auto usage = ErrorCode::Usage;
-  expectFailure(
-      "generate torus.ply -o -", usage,
-      "--output /dev/stdout: the name must end in one of .nrrd .npy .npz .vti .vdb, or --format must name");
+  expectFailure("generate torus.ply -o -", usage,
+                "--output /dev/stdout: the name must end in one of .nrrd .npy .npz .vti .vdb .nvdb, or "
+                "--format must name");
   expectFailure("generate torus.ply -o f.nrrd --format npy", usage, "--format npy: is not what the names of");
   expectFailure("generate torus.ply -o - --format stl", usage, "--format stl: must be one of .nrrd .npy");
   expectFailure("generate torus.ply -o - --format nrrd --winding -", usage,

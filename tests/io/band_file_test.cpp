@@ -30,21 +30,35 @@ bool hasVdb() {
   return std::ranges::find(extensions, ".vdb") != extensions.end();
 }
 
-TEST(BandFile, KeepsWhatABandHas) {
-  if (!hasVdb()) GTEST_SKIP() << "a build without OpenVDB";
-  const Scene scene;
-  const TemporaryFolder folder;
-  const fs::path path = folder.path() / "band.vdb";
+/// Files of each format that holds narrow bands.
+class BandFiles : public testing::TestWithParam<std::string> {
+ protected:
+  void SetUp() override {
+    if (!hasVdb()) GTEST_SKIP() << "a build without OpenVDB";
+  }
+  fs::path path(const std::string& name) const { return folder_.path() / (name + GetParam()); }
+
+  Scene scene_;
+  TemporaryFolder folder_;
+};
+
+std::string formatName(const testing::TestParamInfo<std::string>& info) {
+  return info.param.substr(1);
+}
+INSTANTIATE_TEST_SUITE_P(Formats, BandFiles, testing::Values(".vdb", ".nvdb"), formatName);
+
+TEST_P(BandFiles, KeepsWhatABandHas) {
+  const fs::path file = path("band");
   for (const BandOptions& options : {BandOptions{}, BandOptions{.outside = 2.0, .inside = 4.0},
                                      BandOptions{.inside = std::numeric_limits<double>::infinity()},
                                      BandOptions{.triangle = true, .winding = true, .confidence = true}}) {
-    const SparseField band = scene.surface.generateBand(scene.grid, options);
-    writeBand(path, band);
-    const Field read = readField(path);
+    const SparseField band = scene_.surface.generateBand(scene_.grid, options);
+    writeBand(file, band);
+    const Field read = readField(file);
     ASSERT_EQ(read.grid.dims, band.grid.dims);
     EXPECT_EQ(read.grid.spacing, band.grid.spacing);
     EXPECT_EQ(read.surfaceBounds.min, band.surfaceBounds.min);
-    EXPECT_EQ(read.surfaceBounds.max, bounds(scene.mesh).max);
+    EXPECT_EQ(read.surfaceBounds.max, bounds(scene_.mesh).max);
     EXPECT_EQ(read.clampDistance, options.inside == options.outside ? band.outside : 0.0);
     EXPECT_EQ(read.triangle.empty(), !options.triangle);
     EXPECT_EQ(read.winding.empty(), !options.winding);
@@ -65,14 +79,11 @@ TEST(BandFile, KeepsWhatABandHas) {
   }
 }
 
-TEST(BandFile, HasTheSameBytesEachTime) {
-  if (!hasVdb()) GTEST_SKIP() << "a build without OpenVDB";
-  const Scene scene;
-  const TemporaryFolder folder;
-  const SparseField band = scene.surface.generateBand(scene.grid, {.triangle = true});
-  writeBand(folder.path() / "a.vdb", band);
-  writeBand(folder.path() / "b", band, {.format = ".vdb"});
-  EXPECT_EQ(readBytes(folder.path() / "a.vdb"), readBytes(folder.path() / "b"));
+TEST_P(BandFiles, HasTheSameBytesEachTime) {
+  const SparseField band = scene_.surface.generateBand(scene_.grid, {.triangle = true});
+  writeBand(path("a"), band);
+  writeBand(folder_.path() / "b", band, {.format = GetParam()});
+  EXPECT_EQ(readBytes(path("a")), readBytes(folder_.path() / "b"));
 }
 
 /// Returns the message of what writing throws as `Error(Usage)`.
@@ -87,28 +98,25 @@ std::string refusal(Write&& write) {
   return "";
 }
 
-TEST(BandFile, HasAGridOfAnyName) {
-  if (!hasVdb()) GTEST_SKIP() << "a build without OpenVDB";
-  const Scene scene;
-  const TemporaryFolder folder;
-  const fs::path path = folder.path() / "named.vdb";
-  const SparseField band = scene.surface.generateBand(scene.grid, {.winding = true});
-  writeBand(path, band, {.gridName = "surface"});
-  const std::string bytes = readBytes(path);
+TEST_P(BandFiles, HasAGridOfAnyName) {
+  const fs::path file = path("named");
+  const SparseField band = scene_.surface.generateBand(scene_.grid, {.winding = true});
+  writeBand(file, band, {.gridName = "surface"});
+  const std::string bytes = readBytes(file);
   EXPECT_NE(bytes.find("surface"), std::string::npos);
-  const Field read = readField(path);
+  const Field read = readField(file);
   EXPECT_EQ(read.grid, band.grid);
   EXPECT_EQ(read.winding.size(), read.distance.size());
-  const Field dense = scene.surface.generate(scene.grid, {.band = 3.0}).field;
-  writeField(path, dense, {.gridName = "surface"});
-  const Field again = readField(path);
+  const Field dense = scene_.surface.generate(scene_.grid, {.band = 3.0}).field;
+  writeField(file, dense, {.gridName = "surface"});
+  const Field again = readField(file);
   EXPECT_TRUE(std::ranges::equal(again.distance, dense.distance));
-  EXPECT_NE(refusal([&] { writeField(path, dense, {.gridName = "winding"}); }).find("'winding'"),
+  EXPECT_NE(refusal([&] { writeField(file, dense, {.gridName = "winding"}); }).find("'winding'"),
             std::string::npos);
-  writeField(path, dense, {.gridName = "distance"});
+  writeField(file, dense, {.gridName = "distance"});
   for (const FieldWriteOptions& options :
        {FieldWriteOptions{.gridName = "a"}, FieldWriteOptions{.half = true}})
-    EXPECT_NE(refusal([&] { writeField(folder.path() / "x.nrrd", dense, options); }).find(".vdb"),
+    EXPECT_NE(refusal([&] { writeField(folder_.path() / "x.nrrd", dense, options); }).find(".vdb"),
               std::string::npos);
 }
 
@@ -169,23 +177,20 @@ void expectSame(const SparseField& read, const SparseField& band) {
   expectSameBytes(read.confidence, band.confidence, "confidence");
 }
 
-TEST(BandFile, ComesBackAsABand) {
-  if (!hasVdb()) GTEST_SKIP() << "a build without OpenVDB";
-  const Scene scene;
-  const TemporaryFolder folder;
-  const fs::path path = folder.path() / "band.vdb";
+TEST_P(BandFiles, ComesBackAsABand) {
+  const fs::path file = path("band");
   constexpr double kInfinite = std::numeric_limits<double>::infinity();
   // The second grid cuts the torus, so that its inside reaches the lattice's end.
-  const Grid cut{{150, 83, 37}, scene.grid.position({-20, 40, 3}), scene.grid.spacing};
-  for (const Grid& grid : {scene.grid, cut})
+  const Grid cut{{150, 83, 37}, scene_.grid.position({-20, 40, 3}), scene_.grid.spacing};
+  for (const Grid& grid : {scene_.grid, cut})
     for (const BandOptions& options :
          {BandOptions{}, BandOptions{.outside = 2.0, .inside = 4.0},
           BandOptions{.outside = 1.0, .inside = 99.0}, BandOptions{.inside = kInfinite},
           BandOptions{
               .outside = 1.0, .inside = 0.7, .triangle = true, .winding = true, .confidence = true}}) {
-      const SparseField band = scene.surface.generateBand(grid, options);
-      writeBand(path, band, {.gridName = options.triangle ? "surface" : ""});
-      expectSame(readBand(path), band);
+      const SparseField band = scene_.surface.generateBand(grid, options);
+      writeBand(file, band, {.gridName = options.triangle ? "surface" : ""});
+      expectSame(readBand(file), band);
     }
 }
 
@@ -222,33 +227,113 @@ TEST(BandFile, ReadsFieldsOfAllSamplesAsBands) {
   }
 }
 
-TEST(BandFile, HoldsSeveralBands) {
+TEST_P(BandFiles, HoldsSeveralBands) {
+  const fs::path file = path("both");
+  const SparseField thin = scene_.surface.generateBand(scene_.grid, {.outside = 1.0, .inside = 2.0});
+  const SparseField other = scene_.surface.generateBand({{40, 30, 20}, glm::dvec3(-1.0), 0.1});
+  writeBands(file, std::array{NamedBand{"thin", &thin}, NamedBand{"other", &other}});
+  expectSame(readBand(file, {.gridName = "thin"}), thin);
+  expectSame(readBand(file, {.gridName = "other"}), other);
+  EXPECT_TRUE(std::ranges::equal(readField(file, {.gridName = "thin"}).distance, toDense(thin).distance));
+  std::string warning;
+  const ReadOptions options{.warn = [&](const Warning& each) { warning = each.message; }};
+  expectSame(readBand(file, options), other);  // The first by name.
+  EXPECT_NE(warning.find("'thin'"), std::string::npos) << warning;
+  warning.clear();
+  EXPECT_EQ(readField(file, options).grid, other.grid);
+  EXPECT_NE(warning.find("'thin'"), std::string::npos) << warning;
+  const std::string unknown = refusal([&] { readBand(file, {.gridName = "thick"}); });
+  EXPECT_NE(unknown.find("'thick'; its grids are 'other', 'thin'"), std::string::npos) << unknown;
+
+  const NamedBand one{"thin", &thin};
+  for (const std::vector<NamedBand>& bands :
+       std::vector<std::vector<NamedBand>>{{}, {one, one}, {one, {"", &other}}})
+    EXPECT_NE(refusal([&] { writeBands(file, bands); }).find("both."), std::string::npos);
+  EXPECT_NE(refusal([&] { writeBands(file, std::array{one}, {.gridName = "a"}); }), "");
+}
+
+TEST_P(BandFiles, HoldsSeveralBandsWithAllArrays) {
+  const fs::path file = path("both");
+  const SparseField thin = scene_.surface.generateBand(scene_.grid, {.winding = true, .confidence = true});
+  const SparseField other =
+      scene_.surface.generateBand({{40, 30, 20}, glm::dvec3(-1.0), 0.1}, {.triangle = true, .winding = true});
+  const SparseField plain = scene_.surface.generateBand(scene_.grid);
+  writeBands(file, std::array{NamedBand{"thin", &thin}, NamedBand{"other", &other}, NamedBand{"a", &plain}});
+  expectSame(readBand(file, {.gridName = "thin"}), thin);
+  expectSame(readBand(file, {.gridName = "other"}), other);
+  expectSame(readBand(file), plain);
+  const Field dense = readField(file, {.gridName = "other"});
+  EXPECT_EQ(dense.winding.size(), dense.distance.size());
+  EXPECT_TRUE(dense.confidence.empty());
+  const Field alone = readField(file, {.gridName = "thin.winding"});
+  EXPECT_TRUE(alone.distance.empty());
+  EXPECT_TRUE(std::ranges::equal(alone.winding, readField(file, {.gridName = "thin"}).winding));
+  const std::string same = refusal([&] {
+    writeBands(file, std::array{NamedBand{"thin", &thin}, NamedBand{"thin.winding", &plain}});
+  });
+  EXPECT_NE(same.find("'thin.winding'"), std::string::npos) << same;
+}
+
+TEST_P(BandFiles, RefusesWhatTheFormatCannotHold) {
+  if (GetParam() != ".nvdb") return;
+  const SparseField band = scene_.surface.generateBand(scene_.grid, {.winding = true});
+  EXPECT_NE(refusal([&] { writeBand(path("half"), band, {.half = true}); }).find("16 bits"),
+            std::string::npos);
+  const std::string longest(255, 'n');
+  writeBand(path("long"), band, {.gridName = longest});
+  expectSame(readBand(path("long"), {.gridName = longest}), band);
+  const std::string tooLong = longest + "n";
+  EXPECT_NE(refusal([&] { writeBand(path("x"), band, {.gridName = tooLong}); }).find("256"),
+            std::string::npos);
+  const SparseField plain = scene_.surface.generateBand(scene_.grid);
+  const std::array bands{NamedBand{longest, &band}, NamedBand{"a", &plain}};
+  EXPECT_NE(refusal([&] { writeBands(path("x"), bands); }).find("263"), std::string::npos);  // Of ".winding".
+  EXPECT_FALSE(fs::exists(path("x")));
+}
+
+/// Returns the message of what reading a file of these bytes throws as `Error(Input)` or
+/// `Error(Unsupported)`.
+std::string damage(const fs::path& file, const std::string& bytes) {
+  std::ofstream(file, std::ios::binary) << bytes;
+  try {
+    readBand(file);
+  } catch (const Error& e) {
+    EXPECT_TRUE(e.code() == ErrorCode::Input || e.code() == ErrorCode::Unsupported) << e.what();
+    return e.what();
+  }
+  return "";
+}
+
+TEST(NvdbFile, NamesTheDamage) {
   if (!hasVdb()) GTEST_SKIP() << "a build without OpenVDB";
   const Scene scene;
   const TemporaryFolder folder;
-  const fs::path path = folder.path() / "both.vdb";
-  const SparseField thin = scene.surface.generateBand(scene.grid, {.outside = 1.0, .inside = 2.0});
-  const SparseField other = scene.surface.generateBand({{40, 30, 20}, glm::dvec3(-1.0), 0.1});
-  writeBands(path, std::array{NamedBand{"thin", &thin}, NamedBand{"other", &other}});
-  expectSame(readBand(path, {.gridName = "thin"}), thin);
-  expectSame(readBand(path, {.gridName = "other"}), other);
-  EXPECT_TRUE(std::ranges::equal(readField(path, {.gridName = "thin"}).distance, toDense(thin).distance));
-  std::string warning;
-  const ReadOptions options{.warn = [&](const Warning& each) { warning = each.message; }};
-  expectSame(readBand(path, options), other);  // The first by name.
-  EXPECT_NE(warning.find("'thin'"), std::string::npos) << warning;
-  warning.clear();
-  EXPECT_EQ(readField(path, options).grid, other.grid);
-  EXPECT_NE(warning.find("'thin'"), std::string::npos) << warning;
-  const std::string unknown = refusal([&] { readBand(path, {.gridName = "thick"}); });
-  EXPECT_NE(unknown.find("'thick'; its grids are 'other', 'thin'"), std::string::npos) << unknown;
-
-  const SparseField full = scene.surface.generateBand(scene.grid, {.triangle = true});
-  const NamedBand one{"thin", &thin};
-  for (const std::vector<NamedBand>& bands :
-       std::vector<std::vector<NamedBand>>{{}, {one, one}, {one, {"", &other}}, {one, {"full", &full}}})
-    EXPECT_NE(refusal([&] { writeBands(path, bands); }).find("both.vdb"), std::string::npos);
-  EXPECT_NE(refusal([&] { writeBands(path, std::array{one}, {.gridName = "a"}); }), "");
+  const fs::path file = folder.path() / "damaged.nvdb";
+  writeBand(file, scene.surface.generateBand(fitGrid(scene.mesh, {.resolution = 20})));
+  const std::string whole = readBytes(file);
+  constexpr size_t kFileHeader = 16, kAbout = 176, kName = sizeof "distance",
+                   kGrid = kFileHeader + kAbout + kName;
+  const auto expect = [&](size_t at, const std::string& bytes, const char* message) {
+    const std::string found = damage(file, std::string(whole).replace(at, bytes.size(), bytes));
+    EXPECT_NE(found.find(message), std::string::npos) << at << ": " << found;
+  };
+  const std::string many(8, '\x7f');
+  expect(7, "1", "does not begin as a file of NanoVDB");
+  expect(8, many.substr(0, 4), "version");
+  expect(12, many.substr(0, 2), "it ends early");  // Number of grids.
+  expect(14, std::string("\2\0", 2), "Blosc");
+  expect(kFileHeader, many, "two sizes");
+  expect(kFileHeader, std::string(8, '\0'), "too small");
+  expect(kFileHeader + 8, many, "ends early");
+  expect(kFileHeader + 136, many.substr(0, 4), "ends early");  // Bytes of its name.
+  expect(kGrid, "X", "does not begin as one");
+  expect(kGrid + 32, many, "ends early");
+  // Any bit of the transform and the nodes. Their checksum tells.
+  for (const size_t at : {kGrid + 296, whole.size() / 3, 2 * whole.size() / 3})
+    expect(at, std::string(1, char(whole[at] ^ 1)), "checksum");
+  for (const size_t size : {kFileHeader + 3, kGrid - 1, kGrid + 5, whole.size() / 2, whole.size() - 1})
+    EXPECT_NE(damage(file, whole.substr(0, size)).find("ends early"), std::string::npos) << size;
+  EXPECT_NE(damage(file, whole + "more").find("ends early"), std::string::npos);
 }
 
 TEST(BandFile, RefusesWhatIsNoBand) {
@@ -270,22 +355,19 @@ TEST(BandFile, RefusesWhatIsNoBand) {
   }
 }
 
-TEST(BandFile, AnyWordChanged) {
-  if (!hasVdb()) GTEST_SKIP() << "a build without OpenVDB";
-  const Scene scene;
-  const TemporaryFolder folder;
-  const fs::path path = folder.path() / "damaged.vdb";
-  writeBand(path, scene.surface.generateBand(fitGrid(scene.mesh, {.resolution = 20})));
-  const std::string whole = readBytes(path);
+TEST_P(BandFiles, AnyWordChanged) {
+  const fs::path file = path("damaged");
+  writeBand(file, scene_.surface.generateBand(fitGrid(scene_.mesh, {.resolution = 20})));
+  const std::string whole = readBytes(file);
   size_t refused = 0;
   for (size_t at = 0; at + 4 < whole.size(); at += 1 + whole.size() / 8)
     for (const std::string& word : {std::string(4, '\xff'), std::string("text")}) {
-      std::ofstream(path, std::ios::binary) << std::string(whole).replace(at, word.size(), word);
+      std::ofstream(file, std::ios::binary) << std::string(whole).replace(at, word.size(), word);
       try {
-        validate(readBand(path));
+        validate(readBand(file));
       } catch (const Error& e) {
         EXPECT_TRUE(e.code() == ErrorCode::Input || e.code() == ErrorCode::Unsupported) << e.what();
-        EXPECT_TRUE(std::string(e.what()).starts_with(path.string() + ": ")) << e.what();
+        EXPECT_TRUE(std::string(e.what()).starts_with(file.string() + ": ")) << e.what();
         ++refused;
       }
     }

@@ -57,8 +57,8 @@ class FieldFiles : public testing::TestWithParam<std::string> {
  protected:
   fs::path file(const std::string& name = "field") const { return folder_.path() / (name + GetParam()); }
   bool hasGrid() const { return GetParam() != ".npy"; }
-  /// Number of places in a file to damage. Each takes a process for a .vdb.
-  size_t places(size_t most) const { return GetParam() == ".vdb" ? 30 : most; }
+  /// Number of places in a file to damage. Each takes a process for a .vdb and a .nvdb.
+  size_t places(size_t most) const { return GetParam() == ".vdb" ? 30 : GetParam() == ".nvdb" ? 12 : most; }
   void expectSameGrid(const Field& a, const Field& b) const {
     EXPECT_EQ(a.grid.dims, b.grid.dims);
     if (!hasGrid()) return;
@@ -270,6 +270,7 @@ TEST_P(FieldFiles, NameTheForeignGridsThatAreLeftOut) {
 
 TEST_P(FieldFiles, ReadTheClampDistanceOfEarlierVersions) {
   if (GetParam() == ".npy" || GetParam() == ".npz") return;  // zip_test.cpp has the other.
+  if (GetParam() == ".nvdb") return;                         // Earlier versions wrote none.
   Field field = sphereField({{12, 12, 12}, {-1, 2, 3}, 0.5}, 0.75);
   writeField(file(), field, {.array = FieldArray::Winding});
   ASSERT_NE(bytes().find("clamp_distance"), std::string::npos);
@@ -341,7 +342,7 @@ TEST_P(FieldFiles, NameAnOriginThatIsNotFinite) {
       ADD_FAILURE() << text << " was read";
     } catch (const Error& e) {
       EXPECT_EQ(e.code(), ErrorCode::Input);
-      if (GetParam() == ".vdb") continue;  // OpenVDB itself refuses it, with a message of its own.
+      if (GetParam().ends_with("vdb")) continue;  // The library refuses it, with a message of its own.
       EXPECT_EQ(std::string(e.what()), file().string() + ": the grid's origin is not finite: y = " + text);
     }
   }

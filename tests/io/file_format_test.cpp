@@ -31,8 +31,8 @@ class FileFormat : public testing::Test {
 };
 
 Formats meshesAndFields() {
-  return {".obj", ".ply", ".stl",  ".off", ".gltf", ".glb", ".3mf",
-          ".fbx", ".dae", ".nrrd", ".npy", ".npz",  ".vti", ".vdb"};
+  return {".obj", ".ply",  ".stl", ".off", ".gltf", ".glb", ".3mf", ".fbx",
+          ".dae", ".nrrd", ".npy", ".npz", ".vti",  ".vdb", ".nvdb"};
 }
 
 std::string zipWith(const std::string& name) {
@@ -57,6 +57,8 @@ TEST_F(FileFormat, IsToldByTheFirstBytes) {
       {"NRRD0004\n", ".nrrd"},
       {"\x93NUMPY\x01", ".npy"},
       {" BDV", ".vdb"},
+      {"NanoVDB0", ".nvdb"},
+      {"NanoVDB2", ".nvdb"},
       {zipWith("distance.npy"), ".npz"},
       {zipWith("[Content_Types].xml"), ".3mf"},
       {zipWith("3D/3dmodel.model"), ".3mf"},

@@ -44,15 +44,23 @@ struct GridChoice {
   uint64_t mostDense = UINT64_MAX;
 };
 
+/// Returns the name of the grid that holds an array of one of several bands: "body.winding".
+inline std::string arrayGridName(std::string_view band, std::string_view array) {
+  return std::string(band) + "." + std::string(array);
+}
+
 std::variant<Field, SparseField> readVdb(const SourceFile& source, LeftOut& leftOut, const GridChoice& grid);
-/// How a .vdb stores an array.
+std::variant<Field, SparseField> readNvdb(const SourceFile& source, LeftOut& leftOut, const GridChoice& grid);
+/// How a .vdb or .nvdb stores an array.
 struct VdbStorage {
   std::string_view gridName;  ///< Empty: that of the array.
-  bool half = false;          ///< Whether numbers that are not whole take 16 bits.
+  bool half = false;          ///< Whether numbers that are not whole take 16 bits in a .vdb.
 };
 
 void writeVdb(std::ostream& out, const Field& field, const NamedArray& array, const VdbStorage& storage);
-/// Writes narrow bands with all their arrays. The storage names the only one.
+/// Writes narrow bands with all their arrays.
 void writeVdb(std::ostream& out, std::span<const NamedBand> bands, const VdbStorage& storage);
+void writeNvdb(std::ostream& out, const Field& field, const NamedArray& array, const VdbStorage& storage);
+void writeNvdb(std::ostream& out, std::span<const NamedBand> bands, const VdbStorage& storage);
 
 }  // namespace raymap

@@ -1,4 +1,5 @@
-// Writes fields as OpenVDB level sets; import/read_vdb.cpp and import/import_vdb.cpp read them.
+// Writes fields as level sets of OpenVDB and NanoVDB; import/read_vdb.cpp and import/import_vdb.cpp read
+// them.
 
 #include "io/field/vdb.h"
 
@@ -18,6 +19,7 @@
 
 #include "base/parallel.h"
 #include "io/field/field_formats.h"
+#include "io/field/nvdb.h"
 
 namespace raymap {
 
@@ -74,14 +76,22 @@ Background backgroundOf(const Field& field) {
   return {above, "no band: more than every distance in the grid; outside of the grid nothing is known"};
 }
 
-/// Which array a grid holds, its name, and the size of its numbers.
+/// Which array a grid holds, its name, the size of its numbers, and, of several fields, the name of its own.
 struct GridLabel {
-  std::string_view array, name;
+  std::string_view array;
+  std::string name;
   bool half;
+  std::string_view field = {};
 
   /// Returns the label of an array. The storage names the first one of a file.
   static GridLabel of(std::string_view array, bool isFirst, const VdbStorage& storage) {
-    return {array, isFirst && !storage.gridName.empty() ? storage.gridName : array, storage.half};
+    return {array, std::string(isFirst && !storage.gridName.empty() ? storage.gridName : array),
+            storage.half};
+  }
+  /// Returns the label of an array of one of several bands.
+  static GridLabel ofSeveral(std::string_view array, const VdbStorage& storage) {
+    const std::string_view band = storage.gridName;
+    return {array, array == "distance" ? std::string(band) : arrayGridName(band, array), storage.half, band};
   }
 };
 
@@ -91,11 +101,12 @@ void describe(openvdb::GridBase& grid, const GridLabel& label, const char* meani
   auto transform = openvdb::math::Transform::createLinearTransform(g.spacing);
   transform->postTranslate({g.origin.x, g.origin.y, g.origin.z});
   grid.setTransform(transform);
-  grid.setName(std::string(label.name));
+  grid.setName(label.name);
   grid.setSaveFloatAsHalf(label.half && grid.isType<openvdb::FloatGrid>());
   grid.setCreator("raymap");
   grid.insertMeta(kVdbBackgroundKey, openvdb::StringMetadata(meaning));
   grid.insertMeta(kVdbArrayKey, openvdb::StringMetadata(std::string(label.array)));
+  if (!label.field.empty()) grid.insertMeta(kVdbFieldKey, openvdb::StringMetadata(std::string(label.field)));
   grid.insertMeta(kVdbDimsKey, openvdb::Vec3IMetadata({g.dims.x, g.dims.y, g.dims.z}));
   if (clampDistance > 0.0) grid.insertMeta(kVdbClampKey, openvdb::DoubleMetadata(clampDistance));
   if (const auto& [low, high] = surfaceBounds; !surfaceBounds.isEmpty()) {
@@ -173,20 +184,37 @@ std::vector<std::span<const std::byte>> bytesOf(const std::vector<NamedArray>& a
   return bytes;
 }
 
-/// Writes grids with equal bytes for equal arrays.
-void writeGrids(std::ostream& out, const std::vector<std::span<const std::byte>>& arrays,
-                FunctionView<openvdb::GridPtrVec&> make) {
+std::vector<std::span<const std::byte>> bytesOf(std::span<const NamedBand> bands) {
+  std::vector<std::span<const std::byte>> bytes;
+  const auto add = [&](const auto& array) { bytes.push_back(std::as_bytes(std::span(array))); };
+  for (const NamedBand& each : bands) {
+    const SparseField& band = *each.band;
+    add(band.leaves);
+    add(band.distance);
+    add(band.triangle);
+    add(band.winding);
+    add(band.confidence);
+  }
+  return bytes;
+}
+
+void putVdb(std::ostream& out, openvdb::GridPtrVec& grids) {
+  StreamArchive().writeTo(out, grids);
+}
+
+/// Makes grids and writes them by `putVdb` or `putNvdb`.
+void writeGrids(std::ostream& out, FunctionView<openvdb::GridPtrVec&> make,
+                void (*put)(std::ostream& out, openvdb::GridPtrVec& grids)) {
   openvdb::initialize();  // Thread-safe; later calls do nothing.
   try {
     withCallersThreads([&] {
       openvdb::GridPtrVec grids;
       make(grids);
-      StreamArchive().writeTo(out, grids);
+      put(out, grids);
     });
   } catch (const openvdb::Exception& e) {
     throw Error(ErrorCode::File, std::string("OpenVDB cannot write the field: ") + e.what());
   }
-  replaceIdentifier(out, arrays);
 }
 
 /// Returns the grid of a band's distances. What lies inside and in no leaf is filled with one value.
@@ -207,11 +235,13 @@ openvdb::GridBase::Ptr distanceGridOf(const SparseField& band) {
 }
 
 /// Adds a grid for each array of a band.
-void addGrids(const SparseField& band, const VdbStorage& storage, openvdb::GridPtrVec& grids) {
+void addGrids(const SparseField& band, bool isOneOfSeveral, const VdbStorage& storage,
+              openvdb::GridPtrVec& grids) {
   const double clampDistance = band.inside == band.outside ? band.outside : 0.0;
   const auto add = [&](std::string_view name, const char* meaning, openvdb::GridBase::Ptr grid) {
-    describe(*grid, GridLabel::of(name, name == "distance", storage), meaning, band.grid, clampDistance,
-             band.surfaceBounds);
+    const GridLabel label = isOneOfSeveral ? GridLabel::ofSeveral(name, storage)
+                                           : GridLabel::of(name, name == "distance", storage);
+    describe(*grid, label, meaning, band.grid, clampDistance, band.surfaceBounds);
     grids.push_back(std::move(grid));
   };
   constexpr const char* kUnknown = "beyond the band nothing is known";
@@ -231,30 +261,39 @@ void addGrids(const SparseField& band, const VdbStorage& storage, openvdb::GridP
         makeLeaves<openvdb::FloatGrid>(band, std::span<const float>(band.confidence), 0.0F, always));
 }
 
+void addGrids(const Field& field, const NamedArray& array, const VdbStorage& storage,
+              openvdb::GridPtrVec& grids) {
+  for (const NamedArray& each : arraysWith(field, array))
+    grids.push_back(gridOf(field, each, GridLabel::of(each.name, each.name == array.name, storage)));
+}
+
+void addGrids(std::span<const NamedBand> bands, const VdbStorage& storage, openvdb::GridPtrVec& grids) {
+  for (const NamedBand& each : bands)
+    addGrids(*each.band, bands.size() > 1, {each.name, storage.half}, grids);
+}
+
 }  // namespace
 
 void writeVdb(std::ostream& out, const Field& field, const NamedArray& array, const VdbStorage& storage) {
-  const std::vector<NamedArray> arrays = arraysWith(field, array);
-  writeGrids(out, bytesOf(arrays), [&](openvdb::GridPtrVec& grids) {
-    for (const NamedArray& each : arrays)
-      grids.push_back(gridOf(field, each, GridLabel::of(each.name, each.name == array.name, storage)));
-  });
+  writeGrids(
+      out, [&](openvdb::GridPtrVec& grids) { addGrids(field, array, storage, grids); }, putVdb);
+  replaceIdentifier(out, bytesOf(arraysWith(field, array)));
 }
 
 void writeVdb(std::ostream& out, std::span<const NamedBand> bands, const VdbStorage& storage) {
-  std::vector<std::span<const std::byte>> arrays;
-  const auto add = [&](const auto& array) { arrays.push_back(std::as_bytes(std::span(array))); };
-  for (const NamedBand& each : bands) {
-    const SparseField& band = *each.band;
-    add(band.leaves);
-    add(band.distance);
-    add(band.triangle);
-    add(band.winding);
-    add(band.confidence);
-  }
-  writeGrids(out, arrays, [&](openvdb::GridPtrVec& grids) {
-    for (const NamedBand& each : bands) addGrids(*each.band, {each.name, storage.half}, grids);
-  });
+  writeGrids(
+      out, [&](openvdb::GridPtrVec& grids) { addGrids(bands, storage, grids); }, putVdb);
+  replaceIdentifier(out, bytesOf(bands));
+}
+
+void writeNvdb(std::ostream& out, const Field& field, const NamedArray& array, const VdbStorage& storage) {
+  writeGrids(
+      out, [&](openvdb::GridPtrVec& grids) { addGrids(field, array, storage, grids); }, putNvdb);
+}
+
+void writeNvdb(std::ostream& out, std::span<const NamedBand> bands, const VdbStorage& storage) {
+  writeGrids(
+      out, [&](openvdb::GridPtrVec& grids) { addGrids(bands, storage, grids); }, putNvdb);
 }
 
 }  // namespace raymap

@@ -15,6 +15,7 @@
 
 #include "io/field/vdb.h"
 #include "io/import/import_band.h"
+#include "io/import/import_grids.h"
 #include "io/import/import_stream.h"
 #include "io/import/raymap_import.h"
 
@@ -34,15 +35,26 @@ bool isOurs(const openvdb::GridBase& grid) {
          (grid.isType<openvdb::FloatGrid>() || grid.isType<openvdb::Int32Grid>());
 }
 
+/// Returns whether a grid holds a further array of the field with this name, of several in the file.
+bool belongsTo(const openvdb::GridBase& grid, const std::string& field) {
+  const auto noted = grid.getMetadata<openvdb::StringMetadata>(kVdbFieldKey);
+  return isOurs(grid) && noted && noted->value() == field && grid.getName() != field;
+}
+
 bool isDistance(const openvdb::GridBase& grid) {
   return isOurs(grid) && arrayOf(grid) == "distance";
 }
 
-/// Throws `Error(Usage)` unless one of the grids has this name.
+/// Throws `Error(Usage)` unless one of the grids has this name, and Unsupported unless its values can be
+/// read.
 void checkName(const std::string& name, const openvdb::GridPtrVec& grids) {
   std::string known;
   for (const auto& grid : grids) {
-    if (grid->getName() == name) return;
+    if (grid->getName() == name) {
+      if (grid->isType<openvdb::FloatGrid>() || grid->isType<openvdb::Int32Grid>()) return;
+      throw Error(ErrorCode::Unsupported,
+                  "its grid '" + name + "' holds neither floats nor whole numbers of 32 bits");
+    }
     known += (known.empty() ? "'" : ", '") + grid->getName() + "'";
   }
   throw Error(ErrorCode::Usage, "it has no grid '" + name + "'; its grids are " + known);
@@ -64,9 +76,13 @@ std::vector<std::string> chooseGrids(const openvdb::GridPtrVec& grids, const std
   if (std::set<std::string>(ours.begin(), ours.end()).size() < ours.size())
     throw Error(ErrorCode::Input, "two of its grids have the same name");
   if (!name.empty()) checkName(name, grids);
-  const bool isNamed = name.empty() || (fields == 1 && name == ours.front());
-  if (!isNamed) return {name};
-  if (fields > 1) return {ours.front()};
+  if (fields > 1) {
+    std::vector<std::string> chosen{name.empty() ? ours.front() : name};
+    for (const auto& grid : grids)
+      if (belongsTo(*grid, chosen.front())) chosen.push_back(grid->getName());
+    return chosen;
+  }
+  if (!name.empty() && (fields == 0 || name != ours.front())) return {name};
   if (!ours.empty()) return ours;
   for (const auto* names : {&levelSets, &floats, &integers})
     if (!names->empty()) return {names->front()};
@@ -197,16 +213,12 @@ void putValues(const openvdb::GridBase& grid, const openvdb::CoordBBox& box,
 
 }  // namespace
 
-void sendVdb(const char* path, const std::string& gridName, uint64_t mostDense) {
-  openvdb::initialize();
-  openvdb::io::File file(path);
-  file.setCopyMaxBytes(0);
-  file.open(false);
-  const openvdb::GridPtrVecPtr grids = file.readAllGridMetadata();
-  const std::vector<std::string> names = chooseGrids(*grids, gridName);
+void sendGrids(const openvdb::GridPtrVec& grids, const GridReader& read, const std::string& gridName,
+               uint64_t mostDense) {
+  const std::vector<std::string> names = chooseGrids(grids, gridName);
   std::optional<BandShape> band;
   for (size_t g = 0; g < names.size(); ++g) {
-    const openvdb::GridBase::Ptr grid = file.readGrid(names[g]);
+    const openvdb::GridBase::Ptr grid = read(names[g]);
     openvdb::CoordBBox box;
     VdbHeader header = headerOf(*grid, box);
     header.gridsAfter = names.size() - 1 - g;
@@ -214,12 +226,22 @@ void sendVdb(const char* path, const std::string& gridName, uint64_t mostDense) 
       if (isSentAsBand(*grid, header, mostDense)) band = shapeOf(*grid, box, header);
       // The remaining time grows with the number of samples, which the parent process limits.
       limitSeconds(RLIM_INFINITY);
-      sendSuccess(othersThan(names, *grids));
+      sendSuccess(othersThan(names, grids));
     }
     put(&header, sizeof header);
     if (g == 0 && band) band->put();
     putValues(*grid, box, band);
   }
+}
+
+void sendVdb(const char* path, const std::string& gridName, uint64_t mostDense) {
+  openvdb::initialize();
+  openvdb::io::File file(path);
+  file.setCopyMaxBytes(0);
+  file.open(false);
+  sendGrids(
+      *file.readAllGridMetadata(), [&](const std::string& name) { return file.readGrid(name); }, gridName,
+      mostDense);
 }
 
 }  // namespace raymap

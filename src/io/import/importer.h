@@ -17,8 +17,8 @@ namespace raymap {
 /// program or library, from the run path, or by the prefix that the build was configured with.
 class Importer {
  public:
-  /// Starts the program and reads its header. `format` is an extension: ".vdb", or one of Assimp's. Throws
-  /// the error that the program reports.
+  /// Starts the program and reads its header. `format` is an extension: ".vdb", ".nvdb", or one of Assimp's.
+  /// Throws the error that the program reports.
   Importer(const SourceFile& file, std::string_view format, uint64_t fileBytes, const GridChoice& grid = {});
 
   const std::string& warning() const { return message_; }

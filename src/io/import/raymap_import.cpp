@@ -1,6 +1,6 @@
 // raymap-import FORMAT FILE MEMORY SECONDS GRID SAMPLES: reads a file with Assimp or OpenVDB and writes it in
-// the format of import_stream.h. FORMAT is an extension: .vdb, or one that Assimp knows. MEMORY is in bytes.
-// GRID and SAMPLES are those of sendVdb, and count for fields.
+// the format of import_stream.h. FORMAT is an extension: .vdb, .nvdb, or one that Assimp knows. MEMORY is in
+// bytes. GRID and SAMPLES are those of sendVdb, and count for fields.
 //
 // It is a process of its own, because these libraries crash on some damaged files and take any amount of
 // memory on others.
@@ -56,10 +56,12 @@ void send(char** arguments) {
   const std::string format = arguments[1];
   [[maybe_unused]] const char* path = arguments[2];
 #ifdef RAYMAP_OPENVDB
-  if (format == ".vdb") return sendVdb(path, arguments[5], std::strtoull(arguments[6], nullptr, 10));
+  const uint64_t mostDense = std::strtoull(arguments[6], nullptr, 10);
+  if (format == ".vdb") return sendVdb(path, arguments[5], mostDense);
+  if (format == ".nvdb") return sendNvdb(path, arguments[5], mostDense);
 #endif
 #ifdef RAYMAP_ASSIMP
-  if (format != ".vdb") return sendMesh(path, format);
+  if (format != ".vdb" && format != ".nvdb") return sendMesh(path, format);
 #endif
   throw Error(ErrorCode::Unsupported,
               "this raymap-import was built without the library for it; build raymap with RAYMAP_OPENVDB=ON "

@@ -16,6 +16,7 @@ void sendMesh(const char* path, const std::string& format);
 /// Of several grids the one with this name is read, or the first level set if the name is empty. A level set
 /// with more samples than `mostDense` is sent as a narrow band. If that is 0, all others are refused.
 void sendVdb(const char* path, const std::string& gridName, uint64_t mostDense);
+void sendNvdb(const char* path, const std::string& gridName, uint64_t mostDense);
 
 /// Writes the header of a success, with a warning or an empty text. A later exception only ends the program.
 void sendSuccess(const std::string& warning);

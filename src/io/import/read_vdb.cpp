@@ -1,5 +1,5 @@
-// Reads .vdb files in a child process (see Importer). OpenVDB trusts its files, so a damaged one may crash it
-// or request any amount of memory.
+// Reads .vdb and .nvdb files in a child process (see Importer). OpenVDB and NanoVDB trust their files, so a
+// damaged one may crash it or request any amount of memory.
 
 #include <sstream>
 
@@ -23,8 +23,8 @@ uint64_t mostBytes(uint64_t fileBytes) {
 /// Reads the grids of a file, as fields of all samples or as a narrow band.
 class GridReader {
  public:
-  GridReader(const SourceFile& source, uint64_t fileBytes, const GridChoice& grid)
-      : path_(source.path()), most_(mostBytes(fileBytes)), importer_(source, ".vdb", fileBytes, grid) {}
+  GridReader(const SourceFile& source, std::string_view format, uint64_t fileBytes, const GridChoice& grid)
+      : path_(source.path()), most_(mostBytes(fileBytes)), importer_(source, format, fileBytes, grid) {}
 
   std::variant<Field, SparseField> read(LeftOut& leftOut) {
     std::istringstream names(importer_.warning());
@@ -138,16 +138,25 @@ class GridReader {
   ElementType type_ = ElementType::Float32;
 };
 
+std::variant<Field, SparseField> readGrids(const SourceFile& source, std::string_view format,
+                                           std::string_view magic, LeftOut& leftOut, const GridChoice& grid) {
+  InputFile file(source);
+  const uint64_t fileBytes = file.remaining();
+  std::string begin(magic.size(), ' ');
+  file.read(begin.data(), begin.size());
+  if (begin != magic) throwInvalid(source.path(), "does not begin as a " + std::string(format));
+  return GridReader(source, format, fileBytes, grid).read(leftOut);
+}
+
 }  // namespace
 
 std::variant<Field, SparseField> readVdb(const SourceFile& source, LeftOut& leftOut, const GridChoice& grid) {
-  constexpr std::array<char, 4> kMagic{' ', 'B', 'D', 'V'};
-  InputFile file(source);
-  const uint64_t fileBytes = file.remaining();
-  std::array<char, kMagic.size()> magic{};
-  file.read(magic.data(), magic.size());
-  if (magic != kMagic) throwInvalid(source.path(), "does not begin as a VDB");
-  return GridReader(source, fileBytes, grid).read(leftOut);
+  return readGrids(source, ".vdb", " BDV", leftOut, grid);
+}
+
+std::variant<Field, SparseField> readNvdb(const SourceFile& source, LeftOut& leftOut,
+                                          const GridChoice& grid) {
+  return readGrids(source, ".nvdb", "NanoVDB", leftOut, grid);
 }
 
 }  // namespace raymap
