@@ -30,6 +30,8 @@ struct ReadOptions {
   WarningCallback warn = {};       ///< Called with what is odd in the file, but does not stop the call.
   bool allowEmpty = false;         ///< Whether a mesh may have no triangles; see `FieldOptions`.
   std::string_view gridName = {};  ///< Grid to read of a .vdb or .nvdb; empty: the first level set.
+  /// Further arrays of a .npz that the caller reads, so that no warning says that they are left out.
+  std::span<const std::string_view> alsoRead = {};
 };
 
 /// Reads OBJ, PLY, STL, OFF, glTF/GLB, 3MF, FBX or DAE. The extension decides which; text and binary STL

@@ -64,12 +64,13 @@ from ._threads import get_threads, set_threads
 
 if TYPE_CHECKING:
     from . import dask as dask
+    from . import jax as jax
     from . import torch as torch
 else:
 
     def __getattr__(name: str) -> Any:
-        """Imports raymap.dask and raymap.torch, which need Dask and PyTorch, when they are first used."""
-        if name in ("dask", "torch"):
+        """Imports raymap.dask, raymap.jax and raymap.torch, which need these packages, when they are first used."""
+        if name in ("dask", "jax", "torch"):
             return importlib.import_module(f".{name}", __name__)
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
 

@@ -1,4 +1,4 @@
-"""Signed distances that PyTorch can differentiate, negative inside.
+"""Distances and closest points that PyTorch can differentiate, and data sets for it.
 
 >>> import raymap, torch  # doctest: +SKIP
 >>> surface = raymap.Surface("ball.ply")  # doctest: +SKIP
@@ -19,7 +19,9 @@ import numpy as np
 import numpy.typing as npt
 
 from ._arguments import to_whole
+from ._arrays import to_numpy
 from ._errors import UsageError
+from ._nearest import check_vertices, find_nearest, project
 from ._samples import Sampler, SamplerOptions, to_seed, to_surface
 from ._surface import Surface
 from .dataset.read import Results
@@ -31,40 +33,106 @@ except ImportError as error:
 
 
 class _SignedDistance(torch.autograd.Function):  # type: ignore[misc]
+    """Distances of points. What follows them in the result is no function that can be differentiated."""
+
     @staticmethod
-    def forward(ctx: Any, points: Any, surface: Surface, threads: int | None) -> Any:
-        found = surface.query(points, ("distance", "direction"), threads=threads)
-        ctx.save_for_backward(torch.where((found.distance < 0)[..., None], found.direction, -found.direction))
-        return found.distance.to(points.dtype)
+    def forward(points: Any, vertices: Any, surface: Surface, threads: int | None) -> Any:
+        if vertices is not None:
+            check_vertices(surface, vertices)
+        found = find_nearest(surface, to_numpy(points), threads)
+        return tuple(torch.from_numpy(np.asarray(array)).to(points.device) for array in found)
+
+    @staticmethod
+    def setup_context(ctx: Any, inputs: tuple[Any, ...], output: tuple[Any, ...]) -> None:
+        vertices, (_, *rest) = inputs[1], output
+        ctx.mark_non_differentiable(*rest)
+        ctx.save_for_backward(*rest)
+        ctx.vertices = None if vertices is None else (vertices.shape, vertices.dtype, vertices.device)
 
     @staticmethod
     @torch.autograd.function.once_differentiable  # type: ignore[untyped-decorator]
-    def backward(ctx: Any, upstream: Any) -> tuple[Any, None, None]:
-        (gradient,) = ctx.saved_tensors
-        return upstream[..., None] * gradient.to(upstream.dtype), None, None
+    def backward(ctx: Any, upstream: Any, *_: Any) -> tuple[Any, ...]:
+        gradient, corners, weights = ctx.saved_tensors
+        to_points = upstream[..., None] * gradient
+        if not ctx.needs_input_grad[1]:
+            return to_points, None, None, None
+        shape, dtype, device = ctx.vertices
+        shares = torch.where(weights[..., None] > 0, -weights[..., None] * to_points[..., None, :], 0.0)
+        to_vertices = torch.zeros(shape, dtype=dtype, device=device).index_add(
+            0, corners.reshape(-1).to(device), shares.reshape(-1, 3).to(device, dtype)
+        )
+        return to_points, to_vertices, None, None
+
+    @staticmethod
+    def vmap(
+        info: Any, in_dims: tuple[Any, ...], points: Any, vertices: Any, surface: Surface, threads: int | None
+    ) -> tuple[Any, Any]:
+        if in_dims[1] is not None:
+            raise UsageError("vertices must be the same for all points; a surface is prepared of one mesh")
+        found = _SignedDistance.apply(points.movedim(in_dims[0], 0), vertices, surface, threads)
+        return found, (0,) * len(found)
 
 
-def signed_distance(surface: Surface, points: Any, *, threads: int | None = None) -> Any:
+def signed_distance(surface: Surface, points: Any, *, vertices: Any = None, threads: int | None = None) -> Any:
     """Returns distances at points, (...) for points (..., 3), negative inside, which can be differentiated once.
 
     The gradient for a point is the unit vector along which its distance grows: away from the closest point of the
     surface outside, towards it inside. It is 0 for a point on the surface, and where several points of the surface are
-    equally close, it belongs to one of them. Points that are not finite get NaN.
+    equally close, it belongs to one of them: there the derivative jumps. Points that are not finite get NaN.
+
+    The gradient for a vertex is the sum, over the points whose closest point lies on one of its faces, of the opposite
+    vector times the vertex's barycentric weight there.
+
+    The second derivative with respect to the points is 0 inside of the region of a face, and not computed. ``torch.func``
+    takes the function, with ``grad`` and ``vmap`` over points.
 
     Args:
         surface: A surface; without a sign, distances are not negative.
         points: A tensor of positions in the mesh's units, (..., 3), float32 or float64, on any device. The work is done
             on the CPU. The result has its type and is on its device.
+        vertices: The vertices of the surface's mesh, (n, 3), to differentiate with respect to them. After they have moved,
+            prepare a new surface of them.
         threads: Number of CPU threads; None = ``raymap.get_threads()``.
 
     Raises:
-        InputError: Points of another shape.
+        InputError: Points of another shape, or vertices that are not those of the surface.
+        UsageError: ``vmap`` over vertices.
         MemoryLimitError: The results do not fit into memory.
         RuntimeError: The gradient is differentiated again.
     """
-    if not isinstance(points, torch.Tensor):
-        raise TypeError(f"points must be a tensor, not {type(points).__name__}; NumPy: surface.signed_distance(points)")
-    return _SignedDistance.apply(points, surface, threads)
+    _check_tensor("points", points, "surface.signed_distance(points)")
+    if vertices is not None:
+        _check_tensor("vertices", vertices, "surface.signed_distance(points)")
+    return _SignedDistance.apply(points, vertices, surface, threads)[0]
+
+
+def closest_point(surface: Surface, points: Any, *, vertices: Any = None, threads: int | None = None) -> Any:
+    """Returns the closest points of a surface, (..., 3) for points (..., 3), which can be differentiated any number of times.
+
+    The derivative is that of the projection onto the face, the edge or the vertex that holds the closest point. It jumps
+    where another one takes over.
+
+    Args:
+        surface: A surface, with a sign or without.
+        points: A tensor of positions, as for ``signed_distance``. The result has its type and is on its device.
+        vertices: The vertices of the surface's mesh, (n, 3), to differentiate with respect to them; None = as the surface
+            keeps them.
+        threads: Number of CPU threads; None = ``raymap.get_threads()``.
+
+    Raises:
+        InputError, UsageError, MemoryLimitError: As for ``signed_distance``.
+    """
+    _check_tensor("points", points, "surface.closest(points)")
+    if vertices is None:
+        vertices = torch.tensor(surface.mesh.vertices)
+    _check_tensor("vertices", vertices, "surface.closest(points)")
+    _, _, corners, weights = _SignedDistance.apply(points.detach(), vertices.detach(), surface, threads)
+    return project(torch.where, points, vertices.to(points.device, points.dtype)[corners], weights)
+
+
+def _check_tensor(name: str, given: Any, instead: str) -> None:
+    if not isinstance(given, torch.Tensor):
+        raise TypeError(f"{name} must be a tensor, not {type(given).__name__}; NumPy: {instead}")
 
 
 def _tensors(arrays: dict[str, Any]) -> dict[str, Any]:

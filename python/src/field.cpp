@@ -43,7 +43,9 @@ std::shared_ptr<FieldHandle> makeField(const std::tuple<int, int, int>& dims, co
 std::shared_ptr<FieldHandle> load(const std::filesystem::path& path, const std::string& grid) {
   Call call{nb::none()};
   auto handle = std::make_shared<FieldHandle>();
-  call.run([&] { handle->field = readField(path, {.warn = call.warn(), .gridName = grid}); });
+  constexpr std::string_view kFrame[] = {"centre", "scale"};  // _frames.py reads them.
+  call.run(
+      [&] { handle->field = readField(path, {.warn = call.warn(), .gridName = grid, .alsoRead = kFrame}); });
   return handle;
 }
 

@@ -15,7 +15,7 @@ from conftest import ROOT
 from pages import run_page, run_test
 
 FOUND = [module.name for module in pkgutil.walk_packages(raymap.__path__, "raymap.")]
-MODULES = ["raymap", *(name for name in FOUND if name not in ("raymap._raymap", "raymap.torch"))]
+MODULES = ["raymap", *(name for name in FOUND if name not in ("raymap._raymap", "raymap.jax", "raymap.torch"))]
 PAGES = ["README.md", "docs/python.md", "docs/datasets.md", "docs/samples.md", "docs/huge_fields.md", "python/README.md"]
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import hashlib
 import pickle
+import warnings
 from pathlib import Path
 
 import numpy as np
@@ -192,3 +193,10 @@ def test_a_mesh_without_a_size_cannot_be_normalized() -> None:
     point = raymap.Mesh([(1, 1, 1)] * 3, [(0, 1, 2)])
     with pytest.raises(raymap.InputError, match="all faces of the mesh lie in one point"):
         raymap.generate(point, normalize=True)
+
+
+def test_a_frame_that_is_read_is_not_told_as_left_out(long_mesh: raymap.Mesh) -> None:
+    raymap.generate(long_mesh, resolution=8, normalize="unit", device="cpu").save("unit.npz")
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        assert raymap.load_field("unit.npz").scale == 0.25

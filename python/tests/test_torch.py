@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import subprocess
 import sys
+from collections.abc import Callable
 
 import numpy as np
 import pytest
@@ -94,6 +95,104 @@ def test_arguments_that_make_no_sense(surface):
         signed_distance(surface, np.zeros((2, 3)))
     with pytest.raises(raymap.InputError, match="points must be"):
         signed_distance(surface, torch.zeros(2, 2))
+
+
+def moved_distances(torch, ball: raymap.Mesh, points) -> Callable:
+    """Returns a function of the vertices: distances to the mesh that they make."""
+    from raymap.torch import signed_distance
+
+    def distances(vertices):
+        surface = raymap.Surface(vertices.detach().numpy(), ball.faces, orientation="keep")
+        return signed_distance(surface, points.detach(), vertices=vertices)
+
+    return distances
+
+
+def test_gradients_of_vertices(ball, surface):
+    torch = load("torch")
+    points = points_away_from_edges(torch, ball, surface)
+    vertices = torch.tensor(ball.vertices, dtype=torch.float64, requires_grad=True)
+    distances = moved_distances(torch, ball, points)
+    upstream = torch.tensor(np.random.default_rng(1).uniform(-1, 1, (3, 4)))
+    (gradient,) = torch.autograd.grad((distances(vertices) * upstream).sum(), vertices)
+    touched = np.flatnonzero(gradient.abs().sum(dim=1))
+    assert 12 <= len(touched) <= 36
+    step = 1e-3
+    for vertex in touched[:6]:
+        for axis in range(3):
+            change = torch.zeros_like(vertices)
+            change[vertex, axis] = step
+            difference = (distances(vertices + change) - distances(vertices - change)) / (2 * step)
+            assert (difference * upstream).sum().item() == pytest.approx(float(gradient[vertex, axis]), abs=1e-3)
+    # A mesh that moves as a whole takes its distances along.
+    from raymap.torch import signed_distance
+
+    signed_distance(surface, points, vertices=vertices).sum().backward()
+    np.testing.assert_allclose(vertices.grad.sum(dim=0), -points.grad.sum(dim=(0, 1)), atol=1e-5)
+
+
+@pytest.mark.parametrize(
+    ("point", "held"), [((0.2, 0.3, -0.5), 3), ((0.4, -0.5, -0.5), 2), ((-0.5, -0.5, -0.5), 1)], ids=["face", "edge", "vertex"]
+)
+def test_closest_points(point, held):
+    torch = load("torch")
+    from raymap.torch import closest_point
+
+    surface = raymap.Surface("tetrahedron.ply")
+    mesh = surface.mesh
+    points = torch.tensor([point], dtype=torch.float64, requires_grad=True)
+    vertices = torch.tensor(mesh.vertices, dtype=torch.float64, requires_grad=True)
+    np.testing.assert_allclose(closest_point(surface, points).detach(), surface.closest(np.array([point])).point, atol=1e-12)
+    assert int((surface.closest(np.array(point)).barycentric > 0).sum()) == held
+
+    def closest(points, vertices):
+        return closest_point(raymap.Surface(vertices.detach().numpy(), mesh.faces), points, vertices=vertices)
+
+    assert torch.autograd.gradcheck(closest, (points, vertices), eps=1e-3, atol=2e-3)
+
+
+def test_functional_transforms(surface):
+    torch = load("torch")
+    from raymap.torch import closest_point, signed_distance
+
+    points = torch.tensor(np.random.default_rng(2).uniform(-1, 1, (5, 3)))
+    single = torch.func.grad(lambda p: signed_distance(surface, p))
+    expected = torch.autograd.functional.jacobian(lambda p: signed_distance(surface, p).sum(), points)
+    np.testing.assert_array_equal(torch.stack([single(p) for p in points]), expected)
+    np.testing.assert_array_equal(torch.vmap(single)(points), expected)
+    np.testing.assert_array_equal(torch.vmap(lambda p: closest_point(surface, p))(points), closest_point(surface, points))
+    vertices = torch.tensor(surface.mesh.vertices, dtype=torch.float64)
+    both = torch.func.grad(lambda p, v: signed_distance(surface, p, vertices=v), argnums=1)
+    np.testing.assert_allclose(torch.vmap(both, (0, None))(points, vertices).sum(dim=1), -expected, atol=1e-12)
+    with pytest.raises(raymap.UsageError, match="vertices must be the same for all points"):
+        torch.vmap(lambda v: signed_distance(surface, points, vertices=v))(vertices[None])
+
+
+def test_points_that_are_not_finite_leave_the_others_alone(surface):
+    torch = load("torch")
+    from raymap.torch import closest_point, signed_distance
+
+    points = torch.tensor([[0, 0, 1.5], [np.nan, 0, 0]], dtype=torch.float64, requires_grad=True)
+    for function in (lambda p, v: signed_distance(surface, p, vertices=v), lambda p, v: closest_point(surface, p, vertices=v)):
+        vertices = torch.tensor(surface.mesh.vertices, dtype=torch.float64, requires_grad=True)
+        result = function(points, vertices)
+        assert result[0].isfinite().all() and result[1].isnan().all()
+        result.sum().backward()
+        assert vertices.grad.isfinite().all() and vertices.grad.abs().sum() > 0
+
+
+def test_vertices_of_another_mesh(surface):
+    torch = load("torch")
+    from raymap.torch import signed_distance
+
+    points, vertices = torch.zeros(1, 3), torch.tensor(surface.mesh.vertices)
+    with pytest.raises(raymap.InputError, match=r"vertices must be \(\d+, 3\), those of the surface, not \(2, 3\)"):
+        signed_distance(surface, points, vertices=vertices[:2])
+    vertices[7, 1] += 1e-5
+    with pytest.raises(raymap.InputError, match="vertices: number 7 is not that of the surface; prepare a raymap.Surface"):
+        signed_distance(surface, points, vertices=vertices)
+    with pytest.raises(TypeError, match="vertices must be a tensor, not ndarray"):
+        signed_distance(surface, points, vertices=np.zeros((1, 3)))
 
 
 def run(program: str) -> subprocess.CompletedProcess[str]:

@@ -135,6 +135,9 @@ std::variant<Field, SparseField> readFieldAs(const SourceFile& source, std::stri
   LeftOut leftOut;
   auto field = found.readChosen ? found.readChosen(source, leftOut, {options.gridName, mostDense})
                                 : std::variant<Field, SparseField>(found.read(source, leftOut));
+  std::erase_if(leftOut, [&](const std::string& name) {
+    return std::ranges::find(options.alsoRead, name) != options.alsoRead.end();
+  });
   if (options.warn && !leftOut.empty() && options.gridName.empty())
     options.warn({WarningCode::FileContent,
                   path + ": it also holds " + listed(leftOut) + ", which a field has no place for",

@@ -256,6 +256,15 @@ TEST_P(FieldFiles, NameTheArraysThatAreLeftOut) {
   ASSERT_EQ(warnings.size(), 1u);
   EXPECT_NE(warnings[0].message.find(" 'density' and 'temperatur', which"), std::string::npos)
       << warnings[0].message;
+  constexpr std::string_view kBoth[] = {"density", "temperatur"};
+  std::string told;
+  const auto tell = [&](const Warning& warning) { told += warning.message; };
+  readField(file(), {.warn = tell, .alsoRead = std::span(kBoth).first(1)});
+  EXPECT_NE(told.find(" 'temperatur', which"), std::string::npos) << told;
+  EXPECT_EQ(told.find("density"), std::string::npos) << told;
+  told = "";
+  readField(file(), {.warn = tell, .alsoRead = kBoth});
+  EXPECT_EQ(told, "");
 }
 
 TEST_P(FieldFiles, NameTheForeignGridsThatAreLeftOut) {

@@ -58,7 +58,7 @@ void readEntry(const std::filesystem::path& path, const std::string& name, uint6
 }
 
 /// Returns whether a field has an array or value of this name. numpy.savez calls an array without a name
-/// arr_0. The Python package adds the centre and the scale of a normalized mesh, and reads them itself.
+/// arr_0.
 bool isKnown(std::string_view name) {
   return isFieldArray(name) || name == "origin" || name == "spacing" || name == kClampDistance ||
          name == kFormerClampDistance || name == kSurfaceBounds || name == "arr_0";
@@ -76,7 +76,6 @@ Field readNpz(const SourceFile& source, LeftOut& leftOut) {
   std::set<std::string> seen;
   for (size_t i = 0; i < zip.entries().size(); ++i) {
     const std::string name = arrayName(zip.entries()[i].name);
-    if (name == "centre" || name == "scale") continue;
     if (!isKnown(name)) {
       leftOut.push_back(name);
       continue;
