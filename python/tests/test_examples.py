@@ -45,6 +45,21 @@ def test_an_arm_keeps_away(tmp_path: Path) -> None:
     assert image.imread(tmp_path / "arm.png")[..., :3].std() > 0.02
 
 
+def test_a_mesh_is_fitted_to_a_field(tmp_path: Path) -> None:
+    image = load("matplotlib.image")
+    load("torch")
+    ended = subprocess.run(
+        [sys.executable, ROOT / "examples/python/fit.py", tmp_path],
+        env=os.environ | {"MPLBACKEND": "agg"}, capture_output=True, text=True,
+    )  # fmt: skip
+    assert ended.returncode == 0, ended.stderr
+    assert number("before: mean error", ended.stdout) > 0.1
+    assert number("after: mean error", ended.stdout) < 0.03
+    before, after = (raymap.load_mesh(tmp_path / f"{name}.ply") for name in ("before", "after"))
+    np.testing.assert_array_equal(after.faces, before.faces)
+    assert image.imread(tmp_path / "fit.png")[..., :3].std() > 0.02
+
+
 def check_facts(printed: str) -> None:
     """Checks what the walk says against the shape: a tube around a curve, by Pappus' theorem."""
     t = np.linspace(0, 2 * np.pi, 10_001)
