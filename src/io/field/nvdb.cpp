@@ -12,6 +12,8 @@
 #include <string>
 #include <vector>
 
+#include "io/field/nvdb_nodes.h"
+
 namespace raymap {
 
 namespace {
@@ -76,8 +78,11 @@ Handle convert(const openvdb::GridBase& grid) {
       (sizeof(nanovdb::GridBlindMetaData) + metadata.size() + kAlignment - 1) / kAlignment * kAlignment;
   nanovdb::OpenToNanoVDB<Value, Value, nanovdb::AbsDiff, ZeroedBuffer> converter;
   converter.setChecksum(nanovdb::ChecksumMode::Disable);
+  // Without active values there is nothing to tell, which the statistics warn of.
+  if (grid.activeVoxelCount() == 0) converter.setStats(nanovdb::StatsMode::Disable);
   Handle handle = converter(static_cast<const GridType&>(grid), ZeroedBuffer(room));
   auto* made = handle.template grid<Value>();
+  placeEmptyNodes(*made);
   append(metadata, room, *made->data());
   nanovdb::updateChecksum(*made, nanovdb::ChecksumMode::Full);
   return handle;

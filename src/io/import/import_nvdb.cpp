@@ -19,6 +19,7 @@
 #include <vector>
 
 #include "io/field/nvdb.h"
+#include "io/field/nvdb_nodes.h"
 #include "io/import/import_grids.h"
 #include "io/import/raymap_import.h"
 
@@ -191,9 +192,10 @@ openvdb::GridBase::Ptr emptyGridOf(const NanoGrid& grid) {
 
 template <class Build>
 openvdb::GridBase::Ptr convertTo(const NanoGrid& grid) {
-  const auto& typed = *reinterpret_cast<const nanovdb::NanoGrid<Build>*>(grid.bytes.data());
+  auto& typed = *reinterpret_cast<nanovdb::NanoGrid<Build>*>(&grid.data());
   const std::string wrong = nanovdb::GridValidator<Build>::check(typed);
   if (!wrong.empty()) throwDamaged("its grid '" + grid.name + "': " + wrong);
+  placeEmptyNodes(typed);
   return nanovdb::nanoToOpenVDB(typed);
 }
 
