@@ -253,8 +253,8 @@ bool isNarrowBand(const Arguments& arguments, const Grid& grid) {
   if (arguments.fullInside && !isPossible)
     throw Error(ErrorCode::Usage,
                 "--full-inside needs --band and a .vdb or .nvdb, with --distance exact and --sign harmonic "
-                "on the CPU, "
-                "without --close-holes, --invert, --thickness, --triangle-ids, --winding and --confidence");
+                "on the CPU, without --close-holes, --invert, --thickness, --triangle-ids, --winding and "
+                "--confidence");
   return isPossible && (arguments.fullInside || grid.sampleCount() > kManySamples);
 }
 
@@ -280,20 +280,19 @@ void makeBand(const Arguments& arguments, const Mesh& mesh, Report& report, cons
 /// Returns the most bytes that are held while a slab of so many planes is made, and the one before written.
 size_t slabBytes(const Surface& surface, const Grid& grid, int planes, const RegionOptions& options,
                  const MachineOptions& machine) {
-  const glm::ivec3 size(grid.dims.x, grid.dims.y, planes);
-  const size_t arrays =
-      size_t{1} + (options.triangle ? 1 : 0) + (options.winding ? 1 : 0) + (options.confidence ? 1 : 0);
-  return surface.regionBytes(size, options, machine) + arrays * sizeof(float) * Grid{size}.sampleCount();
+  return surface.regionBytes({grid.dims.x, grid.dims.y, 2 * planes}, options, machine);
 }
 
 /// Returns how many planes of a grid are made at a time: few enough for the limit of memory, and no more than
 /// the speed gains from.
 int slabThickness(const Surface& surface, const Grid& grid, const RegionOptions& options,
                   const MachineOptions& machine) {
-  constexpr size_t kManySamples = size_t{1} << 26;
+  constexpr size_t kManySamples = size_t{1} << 27;
   constexpr int kBest = 32;  // Regions are made in blocks of so many planes.
   const size_t plane = size_t(grid.dims.x) * size_t(grid.dims.y);
-  int planes = std::min(grid.dims.z, std::max(kBest, int(kManySamples / plane) / kBest * kBest));
+  auto planes = int(std::max<size_t>(kManySamples / plane, 1));
+  if (planes > kBest) planes -= planes % kBest;
+  planes = std::min(planes, grid.dims.z);
   const auto fits = [&] {
     return machine.memoryLimit == 0 ||
            slabBytes(surface, grid, planes, options, machine) <= machine.memoryLimit;
