@@ -267,6 +267,20 @@ TEST_P(FieldFiles, NameTheArraysThatAreLeftOut) {
   EXPECT_EQ(told, "");
 }
 
+// Trees of OpenVDB have nodes of 128 samples a side. One of these has values inside, but none of the band.
+TEST_P(FieldFiles, KeepWhatLiesFarFromTheBand) {
+  Field field;
+  field.grid = {{260, 5, 6}, {1, 2, 3}, 0.5};
+  field.clampDistance = 1.0;
+  field.distance.resizeUninitialized(field.grid.sampleCount());
+  std::ranges::fill(field.distance, 1.0f);
+  for (int x = 0; x < 260; ++x)
+    for (int z = 0; z < 4; ++z)
+      field.distance[field.grid.index({x, 1, z})] = x < 6 ? 0.25f : x >= 140 && x < 200 ? -1.0f : 1.0f;
+  writeField(file(), field);
+  expectSameBits(readField(file()).distance, field.distance);
+}
+
 TEST_P(FieldFiles, NameTheForeignGridsThatAreLeftOut) {
   if (GetParam() != ".vdb") return;
   writeField(file(), sphereField({{12, 12, 12}, {-1, 2, 3}, 0.5}, 0.75));
