@@ -42,8 +42,7 @@ using enum Takes;
 constexpr OptionRow kRows[] = {
     {"-o,--output", "--out", "Files", File, "FILE", "",
      "File to write; its name ends in the format. A field: .vdb, .nvdb, .nrrd, .npz, .vti or .npy (without "
-     "its "
-     "grid). A mesh: .ply, .obj, .stl, .glb or .3mf. Points: .csv, .npy, .npz or .ply. A picture: .png; "
+     "its grid). A mesh: .ply, .obj, .stl, .glb or .3mf. Points: .csv, .npy, .npz or .ply. A picture: .png; "
      "of --frames, also .mp4. A page: .html"},
     {"--format", "", "Files", Text, "FORMAT", "",
      "Format of - or of any file whose name does not end in it, e.g. stl; of the output, if that is such "

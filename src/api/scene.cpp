@@ -35,7 +35,7 @@ constexpr double kFarthestBound = 1e150;
 struct SurfaceShape {
   std::shared_ptr<const Surface> surface;
   Box bounds;
-  double slack;        ///< What distances near the surface may be wrong by.
+  double slack;        ///< Bound on the errors of distances near the surface.
   double insideReach;  ///< See `Surface::insideReach`.
 
   /// Returns a lower bound on the signed distance at a point of the body's coordinates. Faces without
@@ -58,7 +58,7 @@ struct Body {
   const SurfaceShape* surface() const { return std::get_if<SurfaceShape>(&shape); }
 };
 
-/// What a body knows of some points, in its coordinates.
+/// Answers of a body at some points, in its coordinates.
 struct BodyAnswers {
   QueryResult surface;
   Samples field;
@@ -251,7 +251,7 @@ class SceneQuery {
   SceneResult& result_;
   size_t perConfiguration_, total_;
 
-  // Of the points that are answered together, from number `begin_` on.
+  // State of the points that are answered together. The first of them has number `begin_`.
   size_t begin_ = 0;
   Buffer<glm::dvec3> world_;
   Buffer<double> least_;      // distance found so far

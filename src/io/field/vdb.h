@@ -4,7 +4,7 @@ namespace raymap {
 
 // Keys of our own metadata in .vdb and .nvdb files.
 inline constexpr const char* kVdbArrayKey = "raymap_array";  ///< Array that a grid holds; else its name.
-inline constexpr const char* kVdbFieldKey = "raymap_field";  ///< Of several fields, that of the array.
+inline constexpr const char* kVdbFieldKey = "raymap_field";  ///< Field of a grid, in a file of several.
 inline constexpr const char* kVdbDimsKey = "raymap_dims";
 inline constexpr const char* kVdbClampKey = "raymap_clamp_distance";
 inline constexpr const char* kVdbFormerClampKey = "raymap_band";  ///< In files of before.
