@@ -12,9 +12,11 @@ fi
 cmake --preset release -B build/tidy -DCMAKE_UNITY_BUILD=OFF >/dev/null
 cmake --build build/tidy --target raymap_vulkan_shaders raymap_page_text raymap_view_shaders >/dev/null
 files=("$@")
-# Clang does not compile Boost's headers of Debian 12 any more, which OpenVDB's include.
+# Clang does not compile Boost's headers of Debian 12 any more, which OpenVDB's include, nor what includes those.
 if [[ ${#files[@]} -eq 0 ]]; then
-  mapfile -t files < <(git ls-files 'src/*.cpp' 'apps/*.cpp' 'examples/*.cpp' | xargs grep -L '<openvdb/')
+  uses_openvdb='<openvdb/'
+  for header in $(git grep -l '<openvdb/' -- 'src/*.h'); do uses_openvdb+="|${header#src/}"; done
+  mapfile -t files < <(git ls-files 'src/*.cpp' 'apps/*.cpp' 'examples/*.cpp' | xargs grep -LE "$uses_openvdb")
 fi
 # The analyzer gives up on a function after a tenth of the states that it may visit by default, for another third.
 analyzer=(--extra-arg=-Xclang --extra-arg=-analyzer-config --extra-arg=-Xclang --extra-arg=max-nodes=22500)
