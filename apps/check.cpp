@@ -21,7 +21,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* kFooter = R"(Examples:
+constexpr const char* kCheckFooter = R"(Examples:
   raymap check part.stl && echo 'ready to print'
   raymap check meshes/*.ply
   raymap check meshes/*.ply --json | jq -r 'select(.good | not) | .file'
@@ -31,7 +31,7 @@ one is not. If a file cannot be read, it is that of the first such error; the ot
 
 constexpr int kBadMesh = 11;
 
-struct Arguments {
+struct CheckArguments {
   StreamFormat format;
   std::vector<fs::path> meshes;
   bool isJson = false, isFast = false;
@@ -44,7 +44,7 @@ void print(const Json& line) {
 }
 
 /// Checks a mesh and prints a line about it. Returns whether it is good.
-bool checkMesh(const fs::path& path, const Arguments& arguments) {
+bool checkMesh(const fs::path& path, const CheckArguments& arguments) {
   const Mesh mesh = loadMesh(path, arguments.format.input, arguments.units);
   ProgressLine line;
   const MachineOptions machine = withProgress(arguments.machine, line);
@@ -68,13 +68,13 @@ bool checkMesh(const fs::path& path, const Arguments& arguments) {
 }
 
 /// Says why a mesh could not be checked.
-void reportError(const fs::path& path, const Error& error, const Arguments& arguments) {
+void reportError(const fs::path& path, const Error& error, const CheckArguments& arguments) {
   if (arguments.isJson)
     print({{"file", path.string()}, {"error", name(error.code())}, {"message", error.what()}});
   printError(error.what());
 }
 
-void run(Arguments& arguments) {
+void run(CheckArguments& arguments) {
   std::vector<Input> inputs;
   for (fs::path& mesh : arguments.meshes) inputs.push_back({mesh, meshExtensions()});
   prepareFiles(arguments.format, inputs, {});
@@ -96,14 +96,14 @@ void run(Arguments& arguments) {
 
 void addCheck(CLI::App& app) {
   CLI::App* command = app.add_subcommand("check", "Say of each mesh whether it is a clean solid");
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<CheckArguments>();
   command->add_option("meshes", arguments->meshes, "Meshes to read")->type_name("MESH...")->required();
   addOption(*command, "--format", arguments->format.given);
   addJsonOption(*command, arguments->isJson);
   addUnitOptions(*command, arguments->units);
   addOption(*command, "--fast", arguments->isFast);
   addCpuOptions(*command, arguments->machine);
-  command->footer(kFooter);
+  command->footer(kCheckFooter);
   command->callback([arguments] { run(*arguments); });
 }
 

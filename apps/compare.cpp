@@ -16,7 +16,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* kFooter = R"(Example:
+constexpr const char* kCompareFooter = R"(Example:
   raymap generate bunny.obj -o a.nrrd
   raymap generate bunny.obj -o b.nrrd --sign paths
   raymap compare a.nrrd b.nrrd -o difference.png
@@ -26,7 +26,7 @@ sign differs, it shows the slice with the largest difference, from white (equal)
 
 Files of generate --winding, --confidence and --triangle-ids are compared too.)";
 
-struct Arguments {
+struct CompareArguments {
   StreamFormat format;
   fs::path a, b, picture;
   std::string as;
@@ -54,7 +54,7 @@ void print(const Comparison& found, FieldArray array) {
     std::printf("not finite        %s, left out of all the above\n", grouped(found.nonFinite).c_str());
 }
 
-FieldArray chooseCommon(const Arguments& arguments, Field& a, Field& b) {
+FieldArray chooseCommon(const CompareArguments& arguments, Field& a, Field& b) {
   const FieldArray ofA = chooseArray(arguments.a, arguments.as, a);
   const FieldArray ofB = chooseArray(arguments.b, arguments.as, b);
   if (ofA != ofB)
@@ -65,7 +65,7 @@ FieldArray chooseCommon(const Arguments& arguments, Field& a, Field& b) {
   return ofA;
 }
 
-void run(Arguments& arguments) {
+void run(CompareArguments& arguments) {
   const std::vector<Output> outputs{{"--output", arguments.picture, {".png"}}};
   prepareFiles(arguments.format, {{arguments.a, fieldExtensions()}, {arguments.b, fieldExtensions()}},
                outputs);
@@ -90,7 +90,7 @@ void run(Arguments& arguments) {
 
 void addCompare(CLI::App& app) {
   CLI::App* command = app.add_subcommand("compare", "Compare two fields on the same grid");
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<CompareArguments>();
   command->add_option("a", arguments->a, "First field")->type_name("FIELD")->required();
   command->add_option("b", arguments->b, "Second field")->type_name("FIELD")->required();
   addOption(*command, "--output", arguments->picture);
@@ -99,7 +99,7 @@ void addCompare(CLI::App& app) {
   addOption(*command, "--as", arguments->as);
   addOption(*command, "--overwrite", arguments->mayOverwrite);
   addJsonOption(*command, arguments->isJson);
-  command->footer(kFooter);
+  command->footer(kCompareFooter);
   command->callback([arguments] { run(*arguments); });
 }
 

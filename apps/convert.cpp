@@ -17,7 +17,7 @@ namespace raymap {
 
 namespace {
 
-struct Arguments {
+struct ConvertArguments {
   StreamFormat format;
   std::filesystem::path input, output, second;  ///< `second`: the output without -o.
   bool mayOverwrite = false, half = false;
@@ -26,7 +26,7 @@ struct Arguments {
 };
 
 /// Returns the formats in which the input can be written, as far as its name tells.
-std::vector<std::string> outputExtensions(const Arguments& arguments) {
+std::vector<std::string> outputExtensions(const ConvertArguments& arguments) {
   if (hasExtension(arguments.input, meshExtensions())) return writableMeshExtensions();
   std::vector<std::string> extensions = fieldExtensions();
   if (hasExtension(arguments.input, extensions)) return extensions;
@@ -34,7 +34,7 @@ std::vector<std::string> outputExtensions(const Arguments& arguments) {
   return extensions;
 }
 
-void writeConverted(const Arguments& arguments, Mesh& mesh) {
+void writeConverted(const ConvertArguments& arguments, Mesh& mesh) {
   if (arguments.half || !arguments.gridName.empty())
     throw Error(ErrorCode::Usage, "--grid-name and --half are for the .vdb or .nvdb of a field, and " +
                                       displayName(arguments.input) + " is a mesh; leave them out");
@@ -51,7 +51,7 @@ void writeConverted(const Arguments& arguments, Mesh& mesh) {
 
 /// Warns of what the file's format has no place for: arrays besides the first, and the grid.
 template <class AnyField>
-void warnOfDropped(const Arguments& arguments, const AnyField& field) {
+void warnOfDropped(const ConvertArguments& arguments, const AnyField& field) {
   const std::filesystem::path output = named(arguments.output, arguments.format.output);
   std::string dropped = hasExtension(output, {".npy"}) ? "the grid" : "";
   const std::vector<FieldArray> arrays = heldArrays(field);
@@ -64,7 +64,7 @@ void warnOfDropped(const Arguments& arguments, const AnyField& field) {
                  dropped + (isDistance ? "; a .npz, .vti, .vdb or .nvdb holds all" : ""));
 }
 
-void writeConverted(const Arguments& arguments, Field& field) {
+void writeConverted(const ConvertArguments& arguments, Field& field) {
   convertUnits(field, arguments.units, named(arguments.input, arguments.format.input));
   writeField(arguments.output, field,
              {.array = heldArray(field),
@@ -76,7 +76,7 @@ void writeConverted(const Arguments& arguments, Field& field) {
 }
 
 /// Writes a field of all samples that need not fit into memory.
-void writeInSlabs(const Arguments& arguments, const SparseField& band) {
+void writeInSlabs(const ConvertArguments& arguments, const SparseField& band) {
   constexpr size_t kManySamples = size_t{1} << 24;
   const glm::ivec3 dims = band.grid.dims;
   const size_t plane = size_t(dims.x) * size_t(dims.y);
@@ -94,7 +94,7 @@ void writeInSlabs(const Arguments& arguments, const SparseField& band) {
                      .format = arguments.format.output});
 }
 
-void writeConverted(const Arguments& arguments, SparseField& band) {
+void writeConverted(const ConvertArguments& arguments, SparseField& band) {
   convertUnits(band, arguments.units, named(arguments.input, arguments.format.input));
   const std::filesystem::path output = named(arguments.output, arguments.format.output);
   const FieldWriteOptions options{
@@ -110,7 +110,7 @@ void writeConverted(const Arguments& arguments, SparseField& band) {
   printWritten(arguments.output);
 }
 
-void run(Arguments& arguments) {
+void run(ConvertArguments& arguments) {
   if (arguments.output.empty()) arguments.output = arguments.second;
   if (arguments.output.empty())
     throw Error(ErrorCode::Usage, "--output is required; see raymap convert --help");
@@ -130,7 +130,7 @@ void run(Arguments& arguments) {
 
 void addConvert(CLI::App& app) {
   CLI::App* command = app.add_subcommand("convert", "Convert a field or a mesh to another format");
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<ConvertArguments>();
   command->add_option("input", arguments->input, "Field or mesh to read")
       ->type_name("FIELD|MESH")
       ->required();

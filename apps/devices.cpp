@@ -17,7 +17,7 @@ namespace raymap {
 
 namespace {
 
-constexpr const char* kFooter = R"(Examples:
+constexpr const char* kDevicesFooter = R"(Examples:
   raymap devices
   raymap devices --json | jq '.devices[] | select(.automatic)'
   raymap devices --test                                 (every GPU)
@@ -116,7 +116,7 @@ void addDevices(CLI::App& app) {
   addJsonOption(*command, *isJson);
   const auto tested = std::make_shared<std::string>();
   CLI::Option* test = addOption(*command, "--test", *tested)->expected(0, 1);
-  command->footer(kFooter);
+  command->footer(kDevicesFooter);
   command->callback([isJson, tested, test] {
     silenceText();
     if (test->count() > 0) {

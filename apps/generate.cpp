@@ -26,7 +26,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* kFooter = R"(Examples:
+constexpr const char* kGenerateFooter = R"(Examples:
   raymap generate bunny.obj -o bunny.vdb
       128 samples along the longest side, exact distance, correct signs even for a broken mesh
   raymap generate bunny.obj -o bunny.nrrd --voxel-size 0.5 --bounds 0 0 0 100 80 60
@@ -38,7 +38,7 @@ constexpr const char* kFooter = R"(Examples:
   raymap generate man.glb --frames 0:59 --fps 24 -o man.%04d.vdb
       a field for each frame of an animation, all on one grid)";
 
-struct Arguments : FieldArguments {
+struct GenerateArguments : FieldArguments {
   StreamFormat format;
   FrameArguments frames;
   fs::path mesh, field, triangleIds, winding, confidence, stats, report, reportPicture;
@@ -64,7 +64,7 @@ struct Report {
 };
 
 /// Returns the files of each frame.
-std::vector<Output> frameOutputs(Arguments& arguments) {
+std::vector<Output> frameOutputs(GenerateArguments& arguments) {
   return {{"--output", arguments.field, fieldExtensions()},
           {"--triangle-ids", arguments.triangleIds, fieldExtensions()},
           {"--winding", arguments.winding, fieldExtensions()},
@@ -73,13 +73,13 @@ std::vector<Output> frameOutputs(Arguments& arguments) {
           {"--report-picture", arguments.reportPicture, {".png"}}};
 }
 
-std::vector<Output> outputs(Arguments& arguments) {
+std::vector<Output> outputs(GenerateArguments& arguments) {
   std::vector<Output> all = frameOutputs(arguments);
   all.push_back({"--stats", arguments.stats, {".json"}});
   return all;
 }
 
-void finishOptions(Arguments& arguments) {
+void finishOptions(GenerateArguments& arguments) {
   finishFieldArguments(arguments);
   FieldOptions& options = arguments.options;
   options.triangle = !arguments.triangleIds.empty();
@@ -93,7 +93,7 @@ void finishOptions(Arguments& arguments) {
     throw Error(ErrorCode::Usage, "--triangle-ids needs another distance; leave out --distance raster");
 }
 
-void writeAll(const Arguments& arguments, const Field& field, Report& report) {
+void writeAll(const GenerateArguments& arguments, const Field& field, Report& report) {
   const auto write = [&](const fs::path& path, FieldArray array) {
     if (path.empty()) return;
     const bool isVdb = arguments.format.output == ".vdb" || hasExtension(path, {".vdb"});
@@ -116,7 +116,7 @@ Json listOf(const std::vector<glm::ivec3>& offsets) {
   return json;
 }
 
-Json describe(const Arguments& arguments, const Report& report) {
+Json describe(const GenerateArguments& arguments, const Report& report) {
   const Grid& grid = report.grid;
   return {{"raymap", version().text},
           {"mesh", arguments.mesh.string()},
@@ -146,7 +146,8 @@ Json describe(const Arguments& arguments, const Report& report) {
 }
 
 /// Defects of the mesh, and how many signs are uncertain.
-Json describeDefects(const Arguments& arguments, const Mesh& mesh, const Field& field, const Report& report) {
+Json describeDefects(const GenerateArguments& arguments, const Mesh& mesh, const Field& field,
+                     const Report& report) {
   const SelfIntersections crossings =
       mesh.triangles.empty() ? SelfIntersections{} : findSelfIntersections(mesh);
   Json json{{"raymap", version().text},
@@ -167,7 +168,7 @@ void printGrid(const Grid& grid) {
               counted(grid.sampleCount(), "sample").c_str(), grid.spacing);
 }
 
-void print(const Arguments& arguments, const Report& report) {
+void print(const GenerateArguments& arguments, const Report& report) {
   if (report.found.triangles == 0) {
     std::printf("%s: no triangles, so the field is far everywhere\n", displayName(arguments.mesh).c_str());
     printGrid(report.grid);
@@ -193,7 +194,7 @@ void print(const Arguments& arguments, const Report& report) {
 }
 
 /// Appends the figures of --stats to those of other frames, or writes them.
-void writeReports(const Arguments& arguments, const Mesh& mesh, const Field& field, Report& report,
+void writeReports(const GenerateArguments& arguments, const Mesh& mesh, const Field& field, Report& report,
                   Json* frames) {
   if (!arguments.stats.empty() && frames != nullptr) {
     frames->push_back(describe(arguments, report));
@@ -213,7 +214,7 @@ void writeReports(const Arguments& arguments, const Mesh& mesh, const Field& fie
 
 /// Throws unless a mesh without triangles is allowed and the options say where its field lies. `bounds` is
 /// empty without those of other frames.
-void checkEmpty(const Arguments& arguments, const Box& bounds) {
+void checkEmpty(const GenerateArguments& arguments, const Box& bounds) {
   const std::string name = displayName(arguments.mesh);
   if (!arguments.options.allowEmpty)
     throw Error(ErrorCode::Input,
@@ -226,26 +227,27 @@ void checkEmpty(const Arguments& arguments, const Box& bounds) {
 }
 
 /// Returns whether the field is what a `Surface` gives at the samples.
-bool isOfSurface(const Arguments& arguments) {
+bool isOfSurface(const GenerateArguments& arguments) {
   const FieldOptions& o = arguments.options;
   return o.distance == DistanceMode::Exact && o.sign == SignMode::Harmonic && !o.closeHoles && !o.invert &&
          o.thickness == 0.0 && !arguments.machine.device.starts_with("vulkan");
 }
 
 /// Returns whether the field has the distance alone.
-bool isAlone(const Arguments& arguments) {
+bool isAlone(const GenerateArguments& arguments) {
   const FieldOptions& o = arguments.options;
   return !o.triangle && !o.winding && !o.confidence;
 }
 
-bool isWritten(const Arguments& arguments, const fs::path& path, const std::vector<std::string>& extensions) {
+bool isWritten(const GenerateArguments& arguments, const fs::path& path,
+               const std::vector<std::string>& extensions) {
   return std::ranges::find(extensions, arguments.format.output) != extensions.end() ||
          hasExtension(path, extensions);
 }
 
 /// Returns whether a field is made near the surface alone, which takes less time and memory for so many
 /// samples. Only a .vdb and a .nvdb have no place for the others.
-bool isNarrowBand(const Arguments& arguments, const Grid& grid) {
+bool isNarrowBand(const GenerateArguments& arguments, const Grid& grid) {
   constexpr size_t kManySamples = size_t{1} << 24;
   const bool isPossible = arguments.options.band > 0.0 &&
                           isWritten(arguments, arguments.field, {".vdb", ".nvdb"}) &&
@@ -259,7 +261,8 @@ bool isNarrowBand(const Arguments& arguments, const Grid& grid) {
 }
 
 /// Makes and writes a field near the surface alone.
-void makeBand(const Arguments& arguments, const Mesh& mesh, Report& report, const MachineOptions& machine) {
+void makeBand(const GenerateArguments& arguments, const Mesh& mesh, Report& report,
+              const MachineOptions& machine) {
   const FieldOptions& options = arguments.options;
   const Surface surface(mesh, {.orientation = options.orientation, .threshold = options.threshold}, machine);
   report.stats = surface.stats();
@@ -302,7 +305,7 @@ int slabThickness(const Surface& surface, const Grid& grid, const RegionOptions&
 }
 
 /// Returns a text that names all that the samples of a field of a surface depend on besides their positions.
-std::string keyOf(const Mesh& mesh, const Arguments& arguments) {
+std::string keyOf(const Mesh& mesh, const GenerateArguments& arguments) {
   const auto hash = [](const auto& array) {
     const auto bytes = std::as_bytes(std::span(array));
     return std::to_string(
@@ -315,7 +318,7 @@ std::string keyOf(const Mesh& mesh, const Arguments& arguments) {
 }
 
 /// Returns the files of a field that is written slab by slab, as `writeAll` writes them of a whole one.
-std::vector<SlabFile> slabFiles(const Arguments& arguments) {
+std::vector<SlabFile> slabFiles(const GenerateArguments& arguments) {
   std::vector<SlabFile> files{{.path = arguments.field}};
   const bool isVti = hasExtension(arguments.field, {".vti"}) ||
                      (arguments.format.output == ".vti" && !hasExtension(arguments.field, fieldExtensions()));
@@ -331,7 +334,8 @@ std::vector<SlabFile> slabFiles(const Arguments& arguments) {
 }
 
 /// Makes a field that does not fit into memory, and writes it slab by slab.
-void makeSlabs(const Arguments& arguments, const Mesh& mesh, Report& report, const MachineOptions& machine) {
+void makeSlabs(const GenerateArguments& arguments, const Mesh& mesh, Report& report,
+               const MachineOptions& machine) {
   const FieldOptions& options = arguments.options;
   const Surface surface(mesh, {.orientation = options.orientation, .threshold = options.threshold}, machine);
   report.stats = surface.stats();
@@ -368,7 +372,7 @@ void makeSlabs(const Arguments& arguments, const Mesh& mesh, Report& report, con
 }
 
 /// Makes a field of all samples, or writes it slab by slab if it does not fit into memory.
-void makeDense(const Arguments& arguments, const Mesh& mesh, Generator& generator, Field& field,
+void makeDense(const GenerateArguments& arguments, const Mesh& mesh, Generator& generator, Field& field,
                Report& report, const MachineOptions& machine) {
   const bool mayBeSlabs = !mesh.triangles.empty() && isOfSurface(arguments) && arguments.report.empty() &&
                           std::ranges::all_of(slabFiles(arguments), [&](const SlabFile& file) {
@@ -387,7 +391,7 @@ void makeDense(const Arguments& arguments, const Mesh& mesh, Generator& generato
 }
 
 /// Makes the field of a mesh on a grid about `bounds`, and writes it. `title` begins the names of stages.
-void make(const Arguments& arguments, const Mesh& mesh, const std::optional<Box>& bounds,
+void make(const GenerateArguments& arguments, const Mesh& mesh, const std::optional<Box>& bounds,
           const std::string& title, Generator& generator, Field& field, Report& report, Json* frames) {
   const bool isEmpty = mesh.triangles.empty();
   if (isEmpty) checkEmpty(arguments, bounds.value_or(Box{}));
@@ -412,7 +416,7 @@ void make(const Arguments& arguments, const Mesh& mesh, const std::optional<Box>
     timeStep(report.after, "report", [&] { writeReports(arguments, mesh, field, report, frames); });
 }
 
-void makeOne(const Arguments& arguments) {
+void makeOne(const GenerateArguments& arguments) {
   const Clock::time_point start = Clock::now();
   Report report;
   Mesh mesh;
@@ -426,8 +430,8 @@ void makeOne(const Arguments& arguments) {
 }
 
 /// Returns the arguments with the files of one frame.
-Arguments argumentsOf(const Arguments& arguments, const Sequence& sequence, size_t i) {
-  Arguments one = arguments;
+GenerateArguments argumentsOf(const GenerateArguments& arguments, const Sequence& sequence, size_t i) {
+  GenerateArguments one = arguments;
   one.mesh = sequence.input(i);
   for (const Output& output : frameOutputs(one))
     if (!output.path.empty()) output.path = framePath(output.path, sequence.frame(i));
@@ -435,11 +439,11 @@ Arguments argumentsOf(const Arguments& arguments, const Sequence& sequence, size
 }
 
 /// Throws `Error(Usage)` if a frame would replace a file that is read.
-void checkFrames(const Arguments& arguments, const Sequence& sequence) {
+void checkFrames(const GenerateArguments& arguments, const Sequence& sequence) {
   std::vector<fs::path> inputs{arguments.offsets};
   for (size_t i = 0; i < sequence.size(); ++i) inputs.push_back(sequence.input(i));
   for (size_t i = 0; i < sequence.size(); ++i) {
-    Arguments one = argumentsOf(arguments, sequence, i);
+    GenerateArguments one = argumentsOf(arguments, sequence, i);
     if (!arguments.mayOverwrite) checkInputs(outputs(one), inputs);
   }
 }
@@ -452,7 +456,7 @@ Mesh meshOf(Sequence& sequence, size_t i) {
 }
 
 /// Makes a field for each frame, all on one grid. Holds one at a time.
-void makeFrames(const Arguments& arguments) {
+void makeFrames(const GenerateArguments& arguments) {
   const Clock::time_point start = Clock::now();
   Sequence sequence(arguments.frames, arguments.mesh, arguments.format.input, arguments.units, true);
   checkFrames(arguments, sequence);
@@ -461,7 +465,7 @@ void makeFrames(const Arguments& arguments) {
   Field field;
   Json frames = Json::array();
   for (size_t i = 0; i < sequence.size(); ++i) {
-    const Arguments one = argumentsOf(arguments, sequence, i);
+    const GenerateArguments one = argumentsOf(arguments, sequence, i);
     Report report;
     Mesh mesh;
     timeStep(report.before, "load", [&] { mesh = meshOf(sequence, i); });
@@ -479,7 +483,7 @@ void makeFrames(const Arguments& arguments) {
               millisecondsSince(start) / 1000.0, sizeText(peakMemory()).c_str());
 }
 
-void run(Arguments& arguments) {
+void run(GenerateArguments& arguments) {
   finishOptions(arguments);
   prepareFiles(arguments.format, {{arguments.mesh, meshExtensions()}}, outputs(arguments));
   if (arguments.half && !isWritten(arguments, arguments.field, {".vdb"}))
@@ -496,7 +500,7 @@ void run(Arguments& arguments) {
     makeFrames(arguments);
 }
 
-void addOutputOptions(CLI::App& command, Arguments& arguments) {
+void addOutputOptions(CLI::App& command, GenerateArguments& arguments) {
   addOption(command, "--output", arguments.field)->required();
   addOption(command, "--format", arguments.format.given);
   addOption(command, "--triangle-ids", arguments.triangleIds);
@@ -514,7 +518,7 @@ void addOutputOptions(CLI::App& command, Arguments& arguments) {
 
 void addGenerate(CLI::App& app) {
   CLI::App* command = app.add_subcommand("generate", "Make a signed distance field from a mesh");
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<GenerateArguments>();
   command->add_option("mesh", arguments->mesh, "Mesh to read: OBJ, PLY, STL, OFF, glTF, GLB, 3MF, FBX or DAE")
       ->type_name("MESH")
       ->required();
@@ -524,7 +528,7 @@ void addGenerate(CLI::App& app) {
   addFieldOptions(*command, *arguments);
   addOption(*command, "--full-inside", arguments->fullInside);
   addOption(*command, "--allow-empty", arguments->options.allowEmpty);
-  command->footer(kFooter);
+  command->footer(kGenerateFooter);
   command->callback([arguments] { run(*arguments); });
 }
 

@@ -21,7 +21,7 @@ namespace raymap {
 
 namespace {
 
-constexpr const char* kFooter = R"(Examples:
+constexpr const char* kInfoFooter = R"(Examples:
   raymap info scan.ply
   raymap info scan.ply --json | jq .watertight
   raymap info scan.ply --picture scan.png       (shows where the defects are)
@@ -84,7 +84,7 @@ void print(const Diagnostics& found, const std::optional<SelfIntersections>& cro
   print(crossings);
 }
 
-struct Arguments {
+struct InfoArguments {
   std::filesystem::path input, picture;
   bool isJson = false, isFast = false;
   StreamFormat format;
@@ -96,11 +96,11 @@ struct Arguments {
 };
 
 /// Returns the unit of all lengths, if it is known.
-std::optional<LengthUnit> unitOf(const Arguments& arguments) {
+std::optional<LengthUnit> unitOf(const InfoArguments& arguments) {
   return unitOf(arguments.units, named(arguments.input, arguments.format.input));
 }
 
-void inspectMesh(const Mesh& mesh, const Arguments& arguments) {
+void inspectMesh(const Mesh& mesh, const InfoArguments& arguments) {
   if (arguments.isFast && !arguments.picture.empty())
     throw Error(ErrorCode::Usage, "--picture shows the faces that cross; leave out --fast");
   ProgressLine line;
@@ -121,7 +121,7 @@ void inspectMesh(const Mesh& mesh, const Arguments& arguments) {
 }
 
 /// Draws the surface of a field; where it has no distances, the middle slice.
-Picture draw(const Field& field, FieldArray array, const Arguments& arguments) {
+Picture draw(const Field& field, FieldArray array, const InfoArguments& arguments) {
   constexpr int kAcrossZ = 2;
   if (array != FieldArray::Distance) return renderSlice(field, kAcrossZ, -1, arguments.view.width, array);
   ProgressLine line;
@@ -130,12 +130,12 @@ Picture draw(const Field& field, FieldArray array, const Arguments& arguments) {
   return renderField(field, arguments.view, machine);
 }
 
-Picture draw(const SparseField& band, FieldArray array, const Arguments& arguments) {
+Picture draw(const SparseField& band, FieldArray array, const InfoArguments& arguments) {
   return draw(toDense(band, arguments.machine), array, arguments);
 }
 
 template <class AnyField>
-void inspectField(const AnyField& field, const Arguments& arguments) {
+void inspectField(const AnyField& field, const InfoArguments& arguments) {
   const FieldInfo info = inspect(field);
   if (!arguments.picture.empty()) writePng(arguments.picture, draw(field, info.array, arguments));
   const std::optional<LengthUnit> unit = unitOf(arguments);
@@ -146,7 +146,7 @@ void inspectField(const AnyField& field, const Arguments& arguments) {
     print(field, info, unitName);
 }
 
-void run(Arguments& arguments) {
+void run(InfoArguments& arguments) {
   const std::vector<Output> outputs{{"--picture", arguments.picture, {".png"}}};
   prepareFiles(arguments.format, {{arguments.input, meshAndFieldExtensions()}}, outputs);
   if (!arguments.mayOverwrite) checkInputs(outputs, {arguments.input});
@@ -163,7 +163,7 @@ void run(Arguments& arguments) {
 void addInfo(CLI::App& app) {
   CLI::App* command =
       app.add_subcommand("info", "Report a mesh's size, topology and defects, or a field's grid and range");
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<InfoArguments>();
   command->add_option("input", arguments->input, "Mesh or field to read")
       ->type_name("MESH|FIELD")
       ->required();
@@ -176,7 +176,7 @@ void addInfo(CLI::App& app) {
   addOption(*command, "--picture", arguments->picture);
   addCpuOptions(*command, arguments->machine);
   addViewOptions(*command, arguments->camera);
-  command->footer(kFooter);
+  command->footer(kInfoFooter);
   command->callback([arguments] { run(*arguments); });
 }
 

@@ -39,7 +39,7 @@ int exitCodeOf(ErrorCode code) {
 
 namespace {
 
-constexpr const char* kFooter = R"(Try it:
+constexpr const char* kMainFooter = R"(Try it:
   raymap example -o globe.ply
   raymap generate globe.ply -o globe.vdb --resolution 256
   raymap render globe.vdb -o globe.png
@@ -84,7 +84,7 @@ int run(int argc, char** argv) {
   CLI::App app("Turns any triangle mesh, however broken, into a signed distance field.", "raymap");
   app.set_version_flag("-V,--version", std::string("raymap ") + version().text, "Print the version");
   app.set_help_flag("-h,--help", "Print this help");
-  app.footer(kFooter);
+  app.footer(kMainFooter);
   app.require_subcommand(1);
   app.ignore_case();
   app.formatter(std::make_shared<HelpFormatter>());

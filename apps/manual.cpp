@@ -167,13 +167,13 @@ std::string tableOf(const CLI::App& app) {
   return text;
 }
 
-struct Arguments {
+struct ManualArguments {
   std::string what;
   std::filesystem::path output;
   bool isTable = false;
 };
 
-void write(const Arguments& arguments, const std::string& text) {
+void write(const ManualArguments& arguments, const std::string& text) {
   if (arguments.output.empty() || arguments.output == "-") {
     std::fputs(text.c_str(), stdout);
     return;
@@ -183,7 +183,7 @@ void write(const Arguments& arguments, const std::string& text) {
   printWritten(arguments.output);
 }
 
-void runManual(const CLI::App& app, const Arguments& arguments) {
+void runManual(const CLI::App& app, const ManualArguments& arguments) {
   if (arguments.isTable) {
     write(arguments, tableOf(app));
     return;
@@ -201,7 +201,7 @@ void runManual(const CLI::App& app, const Arguments& arguments) {
 void addCompletion(CLI::App& app) {
   CLI::App* command =
       app.add_subcommand("completion", "Print a script by which a shell completes commands and options");
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<ManualArguments>();
   command->add_option("shell", arguments->what, "Shell: bash, zsh or fish")
       ->type_name("SHELL")
       ->transform(oneOf({"bash", "zsh", "fish"}))
@@ -220,7 +220,7 @@ void addCompletion(CLI::App& app) {
 
 void addManual(CLI::App& app) {
   CLI::App* command = app.add_subcommand("manual", "Print the man page of the program, or of a command");
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<ManualArguments>();
   command->add_option("command", arguments->what, "Command to describe")->type_name("COMMAND");
   addOption(*command, "--output", arguments->output);
   addOption(*command, "--table", arguments->isTable);

@@ -18,7 +18,7 @@ namespace raymap {
 
 namespace {
 
-constexpr const char* kFooter = R"(Examples:
+constexpr const char* kMeshFooter = R"(Examples:
   raymap mesh scan.vdb -o scan.ply                      (the surface of a field)
   raymap mesh scan.ply -o scan.stl --resolution 256     (makes the field first; closes a broken mesh)
   raymap mesh part.stl -o grown.stl --iso 0.5           (half a unit outside the surface)
@@ -28,7 +28,7 @@ it reaches the grid's box.)";
 
 constexpr double kSimplifyTolerance = 0.1;  ///< In samples; that of `repair`, too.
 
-struct Arguments : FieldArguments {
+struct MeshArguments : FieldArguments {
   StreamFormat format;
   std::filesystem::path input, mesh, stats;
   bool mayOverwrite = false;
@@ -40,7 +40,7 @@ struct Arguments : FieldArguments {
 
 /// Makes the surface, and drops triangles within the tolerance.
 template <class AnyField>
-Simplified makeSurface(const AnyField& field, const Arguments& arguments) {
+Simplified makeSurface(const AnyField& field, const MeshArguments& arguments) {
   ProgressLine line;
   const MachineOptions machine = withProgress(arguments.machine, line);
   Mesh mesh = isosurface(field, arguments.surface, machine);
@@ -52,7 +52,7 @@ Simplified makeSurface(const AnyField& field, const Arguments& arguments) {
                   machine);
 }
 
-Json describe(const Arguments& arguments, const Grid& grid, const Simplified& surface,
+Json describe(const MeshArguments& arguments, const Grid& grid, const Simplified& surface,
               const StoredMesh& stored) {
   return {{"raymap", version().text},
           {"input", arguments.input.string()},
@@ -63,7 +63,7 @@ Json describe(const Arguments& arguments, const Grid& grid, const Simplified& su
           {"file_offset", toJson(stored.options.offset)}};
 }
 
-void run(Arguments& arguments) {
+void run(MeshArguments& arguments) {
   if (arguments.closeHoles->count() == 0)
     arguments.options.closeHoles = arguments.sign != "none" && arguments.options.thickness == 0.0;
   finishFieldArguments(arguments);
@@ -99,7 +99,7 @@ void run(Arguments& arguments) {
 void addMesh(CLI::App& app) {
   CLI::App* command =
       app.add_subcommand("mesh", "Make a closed mesh from a field, or from a mesh through its field");
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<MeshArguments>();
   command->add_option("input", arguments->input, "Field or mesh to read")
       ->type_name("FIELD|MESH")
       ->required();
@@ -114,7 +114,7 @@ void addMesh(CLI::App& app) {
   addOption(*command, "--triangles", arguments->triangles);
   addFieldOptions(*command, *arguments);
   arguments->closeHoles = command->get_option("--close-holes");
-  command->footer(kFooter);
+  command->footer(kMeshFooter);
   command->callback([arguments] { run(*arguments); });
 }
 

@@ -100,7 +100,7 @@ constexpr OptionRow kRows[] = {
      "Samples along the longest side"},
     {"--voxel-size", "--voxel,--spacing", "Grid", AboveZero, "LENGTH", "",
      "Distance between samples, instead of --resolution"},
-    {"--bounds", "--bbox,--box", "Grid", Box, "X0 Y0 Z0 X1 Y1 Z1", "the mesh's bounds, padded",
+    {"--bounds", "--bbox,--box", "Grid", Corners, "X0 Y0 Z0 X1 Y1 Z1", "the mesh's bounds, padded",
      "Box to cover"},
     {"--padding", "--pad,--margin", "Grid", FromZero, "SHARE", "0.1",
      "Padding of the mesh's bounds on every side, as a share of their longest side"},
@@ -190,7 +190,7 @@ constexpr OptionRow kRows[] = {
      "Direction in which the camera looks"},
     {"--cut", "", "Picture", Nothing, "", "", "Cut the shape open and show half of it"},
     {"--eye", "", "Picture", Vector, "X Y Z", "where the shape fills the picture", "Place of the camera"},
-    {"--frame", "", "Picture", Takes::Box, "X0 Y0 Z0 X1 Y1 Z1", "the shape",
+    {"--frame", "", "Picture", Takes::Corners, "X0 Y0 Z0 X1 Y1 Z1", "the shape",
      "Box that fills the picture and decides the floor and the step of lines, so that pictures are alike"},
     {"--cut-plane", "", "Picture", Takes::Plane, "NX NY NZ D", "",
      "Cut the shape open at this plane instead of its middle: what lies on the side of the normal is "
@@ -290,7 +290,7 @@ std::optional<CLI::Validator> checkOf(const OptionRow& row) {
     case Vector:
     case Direction:
     case Takes::Plane:
-    case Takes::Box:
+    case Takes::Corners:
     case List:
       return anyNumber();
     default:
@@ -396,7 +396,7 @@ int valueCount(Takes takes) {
       return 3;
     case Takes::Plane:
       return 4;
-    case Takes::Box:
+    case Takes::Corners:
       return 6;
     default:
       return 1;

@@ -27,7 +27,7 @@ enum class Takes : uint8_t {
   Vector,     ///< Three numbers.
   Direction,  ///< Three numbers, or the name of an axis.
   Plane,      ///< Four numbers: the normal, then its product with a point of the plane.
-  Box,        ///< Six numbers: the lowest corner, then the highest.
+  Corners,    ///< Six numbers: the lowest corner, then the highest.
   List,       ///< Numbers or names with commas between them.
 };
 

@@ -23,7 +23,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* kFooter = R"(Examples:
+constexpr const char* kQueryFooter = R"(Examples:
   raymap query scan.ply points.csv -o distances.csv
       the signed distance of each point, a row each
   raymap query scan.ply points.npy -o d.npz --arrays distance,closest,triangle
@@ -37,7 +37,7 @@ Points and results are in the mesh's units. A point that is not finite gets NaN.
 
 constexpr const char* kGradient = "gradient";  // An array of fields only.
 
-struct Arguments : FieldArguments {
+struct QueryArguments : FieldArguments {
   StreamFormat format;
   fs::path input, points, results, stats;
   std::vector<std::string> arrays{"distance"};
@@ -65,11 +65,11 @@ struct Report {
   }
 };
 
-bool isAsked(const Arguments& arguments, const char* array) {
+bool isAsked(const QueryArguments& arguments, const char* array) {
   return std::ranges::find(arguments.arrays, array) != arguments.arrays.end();
 }
 
-QueryOptions askedFor(const Arguments& arguments) {
+QueryOptions askedFor(const QueryArguments& arguments) {
   QueryOptions options;
   for (const AskedArray& array : kQueryArrays) options.*array.isAsked = isAsked(arguments, array.name);
   options.maxDistance = arguments.maxDistance;
@@ -77,12 +77,12 @@ QueryOptions askedFor(const Arguments& arguments) {
 }
 
 /// Returns whether the results are written in this format.
-bool isWritten(const Arguments& arguments, const std::string& format) {
+bool isWritten(const QueryArguments& arguments, const std::string& format) {
   if (hasExtension(arguments.results, queryExtensions())) return hasExtension(arguments.results, {format});
   return arguments.format.output == format;
 }
 
-void check(Arguments& arguments, const QueryOptions& asked) {
+void check(QueryArguments& arguments, const QueryOptions& asked) {
   const std::vector<Output> outputs{{"--output", arguments.results, queryExtensions()},
                                     {"--stats", arguments.stats, {".json"}}};
   prepareFiles(arguments.format,
@@ -108,7 +108,7 @@ std::vector<glm::dvec3> loadPoints(const fs::path& path, const std::string& form
 }
 
 /// Returns how much of the limit is left when points and results are held too; 0: no limit.
-size_t limitLeft(const Arguments& arguments, size_t resultBytes, size_t points) {
+size_t limitLeft(const QueryArguments& arguments, size_t resultBytes, size_t points) {
   const size_t limit = arguments.machine.memoryLimit;
   if (limit == 0) return 0;
   const size_t bytes = (sizeof(glm::dvec3) + resultBytes) * points;
@@ -126,7 +126,8 @@ size_t resultBytes(const QueryOptions& asked) {
   return bytes;
 }
 
-Surface prepare(const Mesh& mesh, const Arguments& arguments, size_t memoryLimit, MachineOptions machine) {
+Surface prepare(const Mesh& mesh, const QueryArguments& arguments, size_t memoryLimit,
+                MachineOptions machine) {
   machine.memoryLimit = memoryLimit;
   return Surface(mesh,
                  {.sign = arguments.isUnsigned ? SignMode::None : SignMode::Harmonic,
@@ -151,7 +152,7 @@ void count(std::span<const glm::dvec3> points, const auto& distances, Report& re
   }
 }
 
-Json describe(const Arguments& arguments, const QueryOptions& asked, const Report& report) {
+Json describe(const QueryArguments& arguments, const QueryOptions& asked, const Report& report) {
   Json arrays = Json::array();
   for (const AskedArray& array : kQueryArrays)
     if (asked.*array.isAsked) arrays.push_back(array.name);
@@ -178,7 +179,7 @@ Json describe(const Arguments& arguments, const QueryOptions& asked, const Repor
 }
 
 /// Describes a query of a field.
-Json describe(const Arguments& arguments, const Report& report) {
+Json describe(const QueryArguments& arguments, const Report& report) {
   Json json{{"raymap", version().text},
             {"field", arguments.input.string()},
             {"grid",
@@ -198,7 +199,7 @@ Json describe(const Arguments& arguments, const Report& report) {
   return json;
 }
 
-void print(const Arguments& arguments, const Report& report, double elapsedMilliseconds) {
+void print(const QueryArguments& arguments, const Report& report, double elapsedMilliseconds) {
   const bool isField = report.grid.spacing > 0.0;
   std::printf("%s: %s\n", displayName(arguments.input).c_str(),
               isField ? counted(report.grid.sampleCount(), "sample").c_str()
@@ -219,11 +220,11 @@ void print(const Arguments& arguments, const Report& report, double elapsedMilli
   if (!arguments.stats.empty()) printWritten(arguments.stats);
 }
 
-QueryWriteOptions writing(const Arguments& arguments) {
+QueryWriteOptions writing(const QueryArguments& arguments) {
   return {.colour = arguments.colour, .format = arguments.format.output, .arrays = arguments.arrays};
 }
 
-void queryMesh(const Mesh& mesh, const Arguments& arguments, const QueryOptions& asked,
+void queryMesh(const Mesh& mesh, const QueryArguments& arguments, const QueryOptions& asked,
                std::span<const glm::dvec3> points, Report& report) {
   if (isAsked(arguments, kGradient))
     throw Error(ErrorCode::Usage, "the array gradient is one of fields, and " + arguments.input.string() +
@@ -248,7 +249,7 @@ void queryMesh(const Mesh& mesh, const Arguments& arguments, const QueryOptions&
 }
 
 /// Throws `Error(Usage)` if an option or array is one of meshes.
-void checkOfField(const Arguments& arguments) {
+void checkOfField(const QueryArguments& arguments) {
   const std::string isField = ", and " + arguments.input.string() + " is a field";
   for (const CLI::Option* option : arguments.ofMeshes)
     if (option->count() > 0)
@@ -270,7 +271,7 @@ size_t bytesOf(const SparseField& band) {
 }
 
 template <class AnyField>
-void checkMemory(const AnyField& field, const Arguments& arguments, size_t points) {
+void checkMemory(const AnyField& field, const QueryArguments& arguments, size_t points) {
   constexpr size_t kResultBytes = sizeof(float) + sizeof(glm::vec3);
   const size_t left = limitLeft(arguments, kResultBytes, points), bytes = bytesOf(field);
   if (left > 0 && bytes > left)
@@ -298,7 +299,7 @@ void count(const Grid& grid, std::span<const glm::dvec3> points, const Samples& 
 }
 
 template <class AnyField>
-void queryField(const AnyField& field, const Arguments& arguments, std::span<const glm::dvec3> points,
+void queryField(const AnyField& field, const QueryArguments& arguments, std::span<const glm::dvec3> points,
                 Report& report) {
   checkOfField(arguments);
   checkMemory(field, arguments, points.size());
@@ -321,7 +322,7 @@ void queryField(const AnyField& field, const Arguments& arguments, std::span<con
   if (!arguments.stats.empty()) writeJson(arguments.stats, describe(arguments, report));
 }
 
-void run(Arguments& arguments) {
+void run(QueryArguments& arguments) {
   const Clock::time_point start = Clock::now();
   const QueryOptions asked = askedFor(arguments);
   check(arguments, asked);
@@ -343,7 +344,7 @@ void run(Arguments& arguments) {
   print(arguments, report, millisecondsSince(start));
 }
 
-void addResultOptions(CLI::App& command, Arguments& arguments) {
+void addResultOptions(CLI::App& command, QueryArguments& arguments) {
   addOption(command, "--output", arguments.results)->required();
   addOption(command, "--format", arguments.format.given);
   addOption(command, "--grid", arguments.format.grid);
@@ -359,7 +360,7 @@ void addResultOptions(CLI::App& command, Arguments& arguments) {
 void addQuery(CLI::App& app) {
   CLI::App* command =
       app.add_subcommand("query", "Measure signed distances of a mesh or a field at given points");
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<QueryArguments>();
   command->add_option("input", arguments->input, "Mesh or field to measure from")
       ->type_name("MESH|FIELD")
       ->required();
@@ -375,7 +376,7 @@ void addQuery(CLI::App& app) {
                                     addOption(*command, "--threshold", arguments->options.threshold)})
     arguments->ofMeshes.push_back(option);
   addCpuOptions(*command, arguments->machine);
-  command->footer(kFooter);
+  command->footer(kQueryFooter);
   command->callback([arguments] { run(*arguments); });
 }
 

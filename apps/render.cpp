@@ -23,7 +23,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* kFooter = R"(Examples:
+constexpr const char* kRenderFooter = R"(Examples:
   raymap render globe.vdb -o globe.png
   raymap render globe.ply -o globe.png --resolution 256    (makes the field first)
   raymap render globe.vdb -o half.png --cut --shell 0.05   (half of it, hollow)
@@ -36,7 +36,7 @@ constexpr const char* kFooter = R"(Examples:
   raymap render scan.ply fixed.stl -o repair.html          (a page that compares the two)
   raymap render scan.ply fixed.stl -o repair.png           (the first in the colours of the difference))";
 
-struct Arguments : FieldArguments {
+struct RenderArguments : FieldArguments {
   StreamFormat format;
   FrameArguments frames;
   fs::path input, other, picture;
@@ -48,11 +48,11 @@ struct Arguments : FieldArguments {
   bool mayOverwrite = false;
 };
 
-bool isPage(const Arguments& arguments) {
+bool isPage(const RenderArguments& arguments) {
   return hasExtension(named(arguments.picture, arguments.format.output), {".html"});
 }
 
-void finishOptions(Arguments& arguments) {
+void finishOptions(RenderArguments& arguments) {
   constexpr int kResolution = 256;  // Twice that of `generate`: people look at the picture.
   if (!arguments.grid.resolution) arguments.grid.resolution = kResolution;
   finishFieldArguments(arguments);
@@ -62,8 +62,8 @@ void finishOptions(Arguments& arguments) {
 }
 
 /// Throws `Error(Usage)` for a device that cannot draw a narrow band.
-void checkDevice(const Field&, const Arguments&) {}
-void checkDevice(const SparseField&, const Arguments& arguments) {
+void checkDevice(const Field&, const RenderArguments&) {}
+void checkDevice(const SparseField&, const RenderArguments& arguments) {
   if (arguments.machine.device.starts_with("vulkan"))
     throw Error(ErrorCode::Usage,
                 displayName(arguments.input) +
@@ -72,7 +72,7 @@ void checkDevice(const SparseField&, const Arguments& arguments) {
 
 /// Draws a field or a narrow band; the difference from another field, if there is one.
 template <class AnyField>
-Picture draw(const AnyField& field, FieldArray array, const Arguments& arguments,
+Picture draw(const AnyField& field, FieldArray array, const RenderArguments& arguments,
              const std::string& title = "", const Field* other = nullptr) {
   if (!arguments.slice.empty())
     return renderSlice(field, arguments.slice[0] - 'x', arguments.index, arguments.camera.size[0], array);
@@ -93,7 +93,7 @@ Picture draw(const AnyField& field, FieldArray array, const Arguments& arguments
 /// Pictures of frames: files of their own, or one movie.
 class FrameWriter {
  public:
-  FrameWriter(const Arguments& arguments, const Sequence& sequence)
+  FrameWriter(const RenderArguments& arguments, const Sequence& sequence)
       : path_(arguments.picture), isMovie_(hasExtension(path_, {".mp4"})), fps_(sequence.fps()) {}
 
   void add(const Picture& picture, int frame) {
@@ -121,7 +121,7 @@ class FrameWriter {
   std::optional<Movie> movie_;
 };
 
-void checkFrames(const Arguments& arguments, const Sequence& sequence) {
+void checkFrames(const RenderArguments& arguments, const Sequence& sequence) {
   const bool isMovie = hasExtension(arguments.picture, {".mp4"});
   if (isMovie) findFfmpeg(arguments.picture);
   std::vector<fs::path> inputs;
@@ -133,7 +133,7 @@ void checkFrames(const Arguments& arguments, const Sequence& sequence) {
 }
 
 /// Draws each frame on one grid, before one camera. Holds one at a time.
-void renderFrames(Arguments& arguments) {
+void renderFrames(RenderArguments& arguments) {
   Sequence sequence(arguments.frames, arguments.input, arguments.format.input, arguments.units, false,
                     arguments.format.grid);
   checkFrames(arguments, sequence);
@@ -170,18 +170,18 @@ Grid gridOfBoth(const MeshOrField& first, const MeshOrField& second, const GridO
   return fitGrid(Box{glm::min(box.min, more.min), glm::max(box.max, more.max)}, options);
 }
 
-MeshOrField load(const fs::path& path, const Arguments& arguments) {
+MeshOrField load(const fs::path& path, const RenderArguments& arguments) {
   return loadMeshOrField(path, arguments.format.input, arguments.format.grid, arguments.units);
 }
 
 /// Returns a field as it is, or that of a mesh on a grid.
-Field fieldOf(MeshOrField& shape, const Grid& grid, const Arguments& arguments) {
+Field fieldOf(MeshOrField& shape, const Grid& grid, const RenderArguments& arguments) {
   if (const Mesh* mesh = std::get_if<Mesh>(&shape)) return makeField(*mesh, grid, arguments);
   return std::move(std::get<Field>(shape));
 }
 
 /// Draws a shape in the colours of its difference from another one, or in those of --as.
-void renderOneOfTwo(Arguments& arguments) {
+void renderOneOfTwo(RenderArguments& arguments) {
   if (!arguments.slice.empty())
     throw Error(ErrorCode::Usage,
                 "a map of a slice shows one shape; show two on a plane with --slice-plane, or compare their "
@@ -199,7 +199,7 @@ void renderOneOfTwo(Arguments& arguments) {
 }
 
 /// Writes a page of a field, or of two. It has all arrays of one field, and the defects of a mesh.
-void renderPage(Arguments& arguments) {
+void renderPage(RenderArguments& arguments) {
   if (!arguments.slice.empty())
     throw Error(ErrorCode::Usage, "a page moves its own slice; leave out --slice");
   MeshOrField first = load(arguments.input, arguments);
@@ -238,7 +238,7 @@ void renderPage(Arguments& arguments) {
                 arguments.page.title.c_str());
 }
 
-void renderOne(Arguments& arguments) {
+void renderOne(RenderArguments& arguments) {
   if (isPage(arguments)) return renderPage(arguments);
   if (!arguments.other.empty()) return renderOneOfTwo(arguments);
   auto shape = loadFieldOrBand(arguments.input, arguments, arguments.format.input, arguments.format.grid, {});
@@ -251,7 +251,7 @@ void renderOne(Arguments& arguments) {
 
 /// Returns the formats that the output may have. What has no name is a picture, unless --format says
 /// otherwise.
-std::vector<std::string> kindsOf(const Arguments& arguments) {
+std::vector<std::string> kindsOf(const RenderArguments& arguments) {
   const bool isSequence = !arguments.frames.frames.empty();
   const std::string& format = arguments.format.given;
   if (!arguments.picture.has_extension() && canonical(format) != "html" && canonical(format) != ".html")
@@ -259,7 +259,7 @@ std::vector<std::string> kindsOf(const Arguments& arguments) {
   return {".png", isSequence ? ".mp4" : ".html"};
 }
 
-void run(Arguments& arguments) {
+void run(RenderArguments& arguments) {
   finishOptions(arguments);
   const bool isSequence = !arguments.frames.frames.empty();
   const std::vector<Output> outputs{{"--output", arguments.picture, kindsOf(arguments)}};
@@ -280,7 +280,7 @@ void run(Arguments& arguments) {
 
 void addRender(CLI::App& app) {
   CLI::App* command = app.add_subcommand("render", "Draw a field, or a mesh through its field");
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<RenderArguments>();
   command->add_option("input", arguments->input, "Mesh or field to read")
       ->type_name("MESH|FIELD")
       ->required();
@@ -301,7 +301,7 @@ void addRender(CLI::App& app) {
   addOption(*command, "--as", arguments->as);
   addOption(*command, "--max-size", arguments->page.maxSize);
   addMachineOptions(*command, arguments->machine);
-  command->footer(kFooter);
+  command->footer(kRenderFooter);
   command->callback([arguments] { run(*arguments); });
 }
 

@@ -19,7 +19,7 @@ namespace raymap {
 
 namespace {
 
-constexpr const char* kFooter = R"(Examples:
+constexpr const char* kRepairFooter = R"(Examples:
   raymap repair scan.ply -o scan.stl                             (a watertight solid)
   raymap repair part.stl -o part.3.stl --voxel-size 0.1 --offset 0.2
   raymap repair bust.obj -o bust.stl --shell 2 --drain-hole 4    (hollow, walls 2 thick, a hole 4 wide)
@@ -133,7 +133,7 @@ void addRepair(CLI::App& app) {
   addOption(*command, "--close-holes", arguments->repair.closeHoles);
   addShapeOptions(*command, *arguments);
   addMachineOptions(*command, arguments->machine);
-  command->footer(kFooter);
+  command->footer(kRepairFooter);
   command->callback([arguments] { run(*arguments); });
 }
 

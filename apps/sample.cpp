@@ -14,7 +14,7 @@ namespace raymap {
 
 namespace {
 
-constexpr const char* kFooter = R"(Examples:
+constexpr const char* kSampleFooter = R"(Examples:
   raymap sample scan.ply -o scan.npz
       points near the surface and in its bounding sphere, as mesh_to_sdf and DeepSDF choose them
   raymap sample scan.ply -o scan.npz --normalize --count 100000 --sigma 0.05,0.005 --seed 7
@@ -24,7 +24,7 @@ constexpr const char* kFooter = R"(Examples:
 
 The points are those of raymap.sample_points in Python, bit for bit.)";
 
-struct Arguments : FieldArguments {
+struct SampleArguments : FieldArguments {
   StreamFormat format;
   std::filesystem::path mesh, samples, stats;
   SamplePointsOptions choice;
@@ -35,7 +35,7 @@ size_t countInside(const PointSamples& samples) {
   return static_cast<size_t>(std::ranges::count_if(samples.distance, [](double d) { return d < 0.0; }));
 }
 
-Json describe(const Arguments& arguments, const Surface& surface, const PointSamples& samples) {
+Json describe(const SampleArguments& arguments, const Surface& surface, const PointSamples& samples) {
   return {{"raymap", version().text},
           {"mesh", arguments.mesh.string()},
           {"triangles", surface.mesh().triangleCount},
@@ -46,7 +46,7 @@ Json describe(const Arguments& arguments, const Surface& surface, const PointSam
           {"stats", toJson(surface.stats())}};
 }
 
-void print(const Arguments& arguments, const Surface& surface, const PointSamples& samples) {
+void print(const SampleArguments& arguments, const Surface& surface, const PointSamples& samples) {
   std::printf("%s: %s\n", displayName(arguments.mesh).c_str(),
               counted(surface.mesh().triangleCount, "triangle").c_str());
   std::printf("%s, %s inside\n", counted(samples.points.size(), "point").c_str(),
@@ -59,7 +59,7 @@ void print(const Arguments& arguments, const Surface& surface, const PointSample
   if (!arguments.stats.empty()) printWritten(arguments.stats);
 }
 
-void run(Arguments& arguments) {
+void run(SampleArguments& arguments) {
   const std::vector<Output> outputs{{"--output", arguments.samples, sampleExtensions()},
                                     {"--stats", arguments.stats, {".json"}}};
   prepareFiles(arguments.format, {{arguments.mesh, meshExtensions()}}, outputs);
@@ -93,7 +93,7 @@ void addChoice(CLI::App& command, SamplePointsOptions& choice) {
 void addSample(CLI::App& app) {
   CLI::App* command =
       app.add_subcommand("sample", "Choose points near a mesh with signed distances, to train networks");
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<SampleArguments>();
   command->add_option("mesh", arguments->mesh, "Mesh to choose points of")->type_name("MESH")->required();
   addOption(*command, "--output", arguments->samples)->required();
   addOption(*command, "--format", arguments->format.given);
@@ -104,7 +104,7 @@ void addSample(CLI::App& app) {
   addOption(*command, "--orientation", arguments->orientation);
   addOption(*command, "--threshold", arguments->options.threshold);
   addCpuOptions(*command, arguments->machine);
-  command->footer(kFooter);
+  command->footer(kSampleFooter);
   command->callback([arguments] { run(*arguments); });
 }
 

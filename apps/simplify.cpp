@@ -18,7 +18,7 @@ namespace raymap {
 
 namespace {
 
-constexpr const char* kFooter = R"(Examples:
+constexpr const char* kSimplifyFooter = R"(Examples:
   raymap simplify scan.ply -o small.ply --triangles 5000
       as near to the mesh as so many triangles allow
   raymap simplify part.stl -o small.stl --tolerance 0.02
@@ -29,7 +29,7 @@ constexpr const char* kFooter = R"(Examples:
 The mesh must be watertight and stays so: no faces cross that did not cross before. raymap repair makes any
 mesh watertight, and takes the same options.)";
 
-struct Arguments {
+struct SimplifyArguments {
   StreamFormat format;
   std::filesystem::path mesh, result, stats;
   bool mayOverwrite = false;
@@ -39,7 +39,7 @@ struct Arguments {
   size_t triangles = 0;
 };
 
-Json describe(const Arguments& arguments, const SimplifyReport& report, const StoredMesh& stored) {
+Json describe(const SimplifyArguments& arguments, const SimplifyReport& report, const StoredMesh& stored) {
   Json json{{"raymap", version().text},
             {"mesh", arguments.mesh.string()},
             {"options",
@@ -60,7 +60,7 @@ void print(const SimplifyReport& report) {
                 grouped(report.trianglesBefore).c_str(), report.deviation, report.tolerance);
 }
 
-void run(Arguments& arguments) {
+void run(SimplifyArguments& arguments) {
   if (!arguments.tolerance && arguments.triangles == 0)
     throw Error(ErrorCode::Usage, "add --triangles N, --tolerance LENGTH or both: they say how far to go");
   checkSimplification(arguments.tolerance, arguments.triangles);
@@ -96,12 +96,12 @@ void run(Arguments& arguments) {
 
 void addSimplify(CLI::App& app) {
   CLI::App* command = app.add_subcommand("simplify", "Make a watertight mesh of fewer triangles");
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<SimplifyArguments>();
   addMeshFileOptions(*command, *arguments);
   addOption(*command, "--tolerance", arguments->tolerance);
   addOption(*command, "--triangles", arguments->triangles);
   addOption(*command, "--threads", arguments->machine.threads);
-  command->footer(kFooter);
+  command->footer(kSimplifyFooter);
   command->callback([arguments] { run(*arguments); });
 }
 

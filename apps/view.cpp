@@ -23,7 +23,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* kFooter =
+constexpr const char* kViewFooter =
     R"(Left drag turns, right drag moves, the wheel zooms, H shows all keys. When the window is closed, the command
 that draws its last view is printed.
 
@@ -33,7 +33,7 @@ Examples:
   raymap view scan.ply fixed.stl                     (B changes between the two)
   raymap view globe.vdb --cut-plane 0,0,1,0 --slice-plane 1,0,0,0)";
 
-struct Arguments : FieldArguments {
+struct WindowArguments : FieldArguments {
   fs::path input, other;
   std::string clip, as;
   ViewArguments camera;
@@ -184,7 +184,7 @@ fs::path freeName(const std::string& extension) {
   }
 }
 
-void open(Arguments& arguments) {
+void open(WindowArguments& arguments) {
   view::ViewerOptions options;
   options.input = arguments.input;
   options.other = arguments.other;
@@ -225,7 +225,7 @@ void open(Arguments& arguments) {
 
 #else
 
-void open(Arguments&) {
+void open(WindowArguments&) {
   throw Error(ErrorCode::Unsupported,
               "this raymap was built without a window; build it where libglfw3-dev and libimgui-dev are "
               "installed, or draw pictures and pages with raymap render");
@@ -233,7 +233,7 @@ void open(Arguments&) {
 
 #endif
 
-void run(Arguments& arguments) {
+void run(WindowArguments& arguments) {
   finishFieldArguments(arguments);
   StreamFormat format;
   std::vector<Input> inputs{{arguments.input, meshAndFieldExtensions()}};
@@ -251,7 +251,7 @@ void run(Arguments& arguments) {
 
 void addView(CLI::App& app) {
   CLI::App* command = app.add_subcommand("view", "Show a mesh and its field, or a field, in a window");
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<WindowArguments>();
   arguments->camera.size = {1280, 800};
   command->add_option("input", arguments->input, "Mesh or field to show")
       ->type_name("MESH|FIELD")
@@ -264,7 +264,7 @@ void addView(CLI::App& app) {
   addSceneOptions(*command, arguments->camera, arguments->view);
   addOption(*command, "--as", arguments->as);
   addMachineOptions(*command, arguments->machine);
-  command->footer(kFooter);
+  command->footer(kViewFooter);
   command->callback([arguments] { run(*arguments); });
 }
 

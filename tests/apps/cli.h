@@ -22,7 +22,7 @@
 namespace raymap {
 
 namespace fs = std::filesystem;
-using Json = nlohmann::json;
+using Json = nlohmann::ordered_json;
 
 /// A test of the program in a folder of its own.
 class Cli : public ::testing::Test {

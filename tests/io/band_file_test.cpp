@@ -42,10 +42,8 @@ class BandFiles : public testing::TestWithParam<std::string> {
   TemporaryFolder folder_;
 };
 
-std::string formatName(const testing::TestParamInfo<std::string>& info) {
-  return info.param.substr(1);
-}
-INSTANTIATE_TEST_SUITE_P(Formats, BandFiles, testing::Values(".vdb", ".nvdb"), formatName);
+INSTANTIATE_TEST_SUITE_P(Formats, BandFiles, testing::Values(".vdb", ".nvdb"),
+                         [](const auto& info) { return info.param.substr(1); });
 
 TEST_P(BandFiles, KeepsWhatABandHas) {
   const fs::path file = path("band");
@@ -88,7 +86,7 @@ TEST_P(BandFiles, HasTheSameBytesEachTime) {
 
 /// Returns the message of what writing throws as `Error(Usage)`.
 template <class Write>
-std::string refusal(Write&& write) {
+std::string whyRefused(Write&& write) {
   try {
     write();
   } catch (const Error& e) {
@@ -111,12 +109,12 @@ TEST_P(BandFiles, HasAGridOfAnyName) {
   writeField(file, dense, {.gridName = "surface"});
   const Field again = readField(file);
   EXPECT_TRUE(std::ranges::equal(again.distance, dense.distance));
-  EXPECT_NE(refusal([&] { writeField(file, dense, {.gridName = "winding"}); }).find("'winding'"),
+  EXPECT_NE(whyRefused([&] { writeField(file, dense, {.gridName = "winding"}); }).find("'winding'"),
             std::string::npos);
   writeField(file, dense, {.gridName = "distance"});
   for (const FieldWriteOptions& options :
        {FieldWriteOptions{.gridName = "a"}, FieldWriteOptions{.half = true}})
-    EXPECT_NE(refusal([&] { writeField(folder_.path() / "x.nrrd", dense, options); }).find(".vdb"),
+    EXPECT_NE(whyRefused([&] { writeField(folder_.path() / "x.nrrd", dense, options); }).find(".vdb"),
               std::string::npos);
 }
 
@@ -153,10 +151,10 @@ TEST(BandFile, RefusesWhatHalfFloatsCannotHold) {
   fill(1.0F, 65504.0F);
   writeField(path, field, {.half = true});
   fill(-65505.0F, 1.0F);
-  EXPECT_NE(refusal([&] { writeField(path, field, {.half = true}); }).find("65505"), std::string::npos);
+  EXPECT_NE(whyRefused([&] { writeField(path, field, {.half = true}); }).find("65505"), std::string::npos);
   fill(1.0F, 2.0F);
   field.grid.spacing = 0.00009;
-  EXPECT_NE(refusal([&] { writeField(path, field, {.half = true}); }).find("9e-05"), std::string::npos);
+  EXPECT_NE(whyRefused([&] { writeField(path, field, {.half = true}); }).find("9e-05"), std::string::npos);
 }
 
 void expectSame(const SparseField& read, const SparseField& band) {
@@ -242,14 +240,14 @@ TEST_P(BandFiles, HoldsSeveralBands) {
   warning.clear();
   EXPECT_EQ(readField(file, options).grid, other.grid);
   EXPECT_NE(warning.find("'thin'"), std::string::npos) << warning;
-  const std::string unknown = refusal([&] { readBand(file, {.gridName = "thick"}); });
+  const std::string unknown = whyRefused([&] { readBand(file, {.gridName = "thick"}); });
   EXPECT_NE(unknown.find("'thick'; its grids are 'other', 'thin'"), std::string::npos) << unknown;
 
   const NamedBand one{"thin", &thin};
   for (const std::vector<NamedBand>& bands :
        std::vector<std::vector<NamedBand>>{{}, {one, one}, {one, {"", &other}}})
-    EXPECT_NE(refusal([&] { writeBands(file, bands); }).find("both."), std::string::npos);
-  EXPECT_NE(refusal([&] { writeBands(file, std::array{one}, {.gridName = "a"}); }), "");
+    EXPECT_NE(whyRefused([&] { writeBands(file, bands); }).find("both."), std::string::npos);
+  EXPECT_NE(whyRefused([&] { writeBands(file, std::array{one}, {.gridName = "a"}); }), "");
 }
 
 TEST_P(BandFiles, HoldsSeveralBandsWithAllArrays) {
@@ -268,7 +266,7 @@ TEST_P(BandFiles, HoldsSeveralBandsWithAllArrays) {
   const Field alone = readField(file, {.gridName = "thin.winding"});
   EXPECT_TRUE(alone.distance.empty());
   EXPECT_TRUE(std::ranges::equal(alone.winding, readField(file, {.gridName = "thin"}).winding));
-  const std::string same = refusal([&] {
+  const std::string same = whyRefused([&] {
     writeBands(file, std::array{NamedBand{"thin", &thin}, NamedBand{"thin.winding", &plain}});
   });
   EXPECT_NE(same.find("'thin.winding'"), std::string::npos) << same;
@@ -277,17 +275,18 @@ TEST_P(BandFiles, HoldsSeveralBandsWithAllArrays) {
 TEST_P(BandFiles, RefusesWhatTheFormatCannotHold) {
   if (GetParam() != ".nvdb") return;
   const SparseField band = scene_.surface.generateBand(scene_.grid, {.winding = true});
-  EXPECT_NE(refusal([&] { writeBand(path("half"), band, {.half = true}); }).find("16 bits"),
+  EXPECT_NE(whyRefused([&] { writeBand(path("half"), band, {.half = true}); }).find("16 bits"),
             std::string::npos);
   const std::string longest(255, 'n');
   writeBand(path("long"), band, {.gridName = longest});
   expectSame(readBand(path("long"), {.gridName = longest}), band);
   const std::string tooLong = longest + "n";
-  EXPECT_NE(refusal([&] { writeBand(path("x"), band, {.gridName = tooLong}); }).find("256"),
+  EXPECT_NE(whyRefused([&] { writeBand(path("x"), band, {.gridName = tooLong}); }).find("256"),
             std::string::npos);
   const SparseField plain = scene_.surface.generateBand(scene_.grid);
   const std::array bands{NamedBand{longest, &band}, NamedBand{"a", &plain}};
-  EXPECT_NE(refusal([&] { writeBands(path("x"), bands); }).find("263"), std::string::npos);  // Of ".winding".
+  EXPECT_NE(whyRefused([&] { writeBands(path("x"), bands); }).find("263"),
+            std::string::npos);  // Of ".winding".
   EXPECT_FALSE(fs::exists(path("x")));
 }
 
@@ -344,8 +343,8 @@ TEST(BandFile, RefusesWhatIsNoBand) {
   const Field field = toDense(scene.surface.generateBand(scene.grid, {.winding = true}));
   writeField(path, field, {.array = FieldArray::Winding});
   writeField(array, field);
-  EXPECT_NE(refusal([&] { readBand(array); }).find(".npy holds no narrow bands"), std::string::npos);
-  EXPECT_NE(refusal([&] { readField(array, {.gridName = "a"}); }).find("array.npy"), std::string::npos);
+  EXPECT_NE(whyRefused([&] { readBand(array); }).find(".npy holds no narrow bands"), std::string::npos);
+  EXPECT_NE(whyRefused([&] { readField(array, {.gridName = "a"}); }).find("array.npy"), std::string::npos);
   try {
     readBand(path);
     ADD_FAILURE();

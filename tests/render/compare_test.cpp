@@ -40,7 +40,7 @@ bool isGreen(Pixel p) {
   return p.green > 140 && p.red < 90;
 }
 
-std::string refusal(const Field& a, const Field& b) {
+std::string whyNotCompared(const Field& a, const Field& b) {
   try {
     compareFields(a, b);
   } catch (const Error& error) {
@@ -113,16 +113,17 @@ TEST(Compare, RefusesOtherGridsAndSaysHowTheyDiffer) {
   const Field a = ball(grid, 0.6);
   Grid other = grid;
   other.dims.y = 9;
-  EXPECT_NE(refusal(a, ball(other, 0.6)).find("8 x 8 x 8 samples against 8 x 9 x 8"), std::string::npos);
+  EXPECT_NE(whyNotCompared(a, ball(other, 0.6)).find("8 x 8 x 8 samples against 8 x 9 x 8"),
+            std::string::npos);
   other = grid;
   other.spacing *= 1.01;
-  EXPECT_NE(refusal(a, ball(other, 0.6)).find("spacing"), std::string::npos);
+  EXPECT_NE(whyNotCompared(a, ball(other, 0.6)).find("spacing"), std::string::npos);
   other = grid;
   other.origin.z += 0.1;
-  EXPECT_NE(refusal(a, ball(other, 0.6)).find("origin"), std::string::npos);
+  EXPECT_NE(whyNotCompared(a, ball(other, 0.6)).find("origin"), std::string::npos);
   other = grid;
   other.origin.x = float(other.origin.x) + 1e-8;  // The rounding error of single precision in a file.
-  EXPECT_EQ(refusal(a, ball(other, 0.6)), "");
+  EXPECT_EQ(whyNotCompared(a, ball(other, 0.6)), "");
 }
 
 TEST(Compare, DrawsTheSliceWithMostSignDifferences) {
