@@ -26,11 +26,11 @@ CTAGS = ["ctags", "--quiet", "--languages=C,C++", "--output-format=json", "--sor
          "--fields-C++=+{properties}{specialization}", *(f"-D{macro}" for macro in MACROS), "-f", "-", "-R"]
 
 
-def tags(root):
-    """Yields what ctags finds in the tree."""
+def tags(root, options=()):
+    """Yields what ctags finds in the tree, by further options."""
     folders = [folder for folder in FOLDERS if (root / folder).is_dir()]
     try:
-        run = subprocess.run(CTAGS + folders, cwd=root, capture_output=True, text=True, check=True)
+        run = subprocess.run([*CTAGS[:-3], *options, *CTAGS[-3:], *folders], cwd=root, capture_output=True, text=True, check=True)
     except FileNotFoundError:
         sys.exit("There is no ctags. scripts/install.sh --checks installs it.")
     except subprocess.CalledProcessError as error:

@@ -1,5 +1,7 @@
 // Samples that a run of exact_distance.cpp reads and writes. Compiled once per instruction set.
 
+#include <raymap/field.h>
+
 #include <algorithm>
 #include <cmath>
 

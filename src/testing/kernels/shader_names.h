@@ -5,6 +5,7 @@
 
 #include "shaders/raymap_vulkan_all.h"
 #include "vulkan/device/api.h"
+#include "vulkan/device/shader.h"
 
 namespace raymap::vulkan {
 
