@@ -14,12 +14,12 @@ from .._errors import FileError, UsageError, warn
 from .._progress import reporting
 from .._whole_file import file_errors, only_writer, remove_leftovers
 from .jobs import Options, PathLike, make_jobs
-from .packing import Packed, pack
+from .packing import Packed, PackFormat, pack
 from .pages import page_paths, parquet_path, write_pages
 from .run import run_jobs
 from .work import FORMATS, Job, Outcome, left, other_results, planned
 
-__all__ = ["FORMATS", "Format", "Options", "Packed", "Summary", "What", "generate", "pack"]
+__all__ = ["FORMATS", "Format", "Options", "PackFormat", "Packed", "Summary", "What", "generate", "pack"]
 
 What: TypeAlias = Literal["field", "points"]
 Format: TypeAlias = Literal["npz", "npy", "nrrd", "vti", "vdb"]
