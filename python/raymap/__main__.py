@@ -127,6 +127,7 @@ def _add_dataset(parser: argparse.ArgumentParser) -> None:
     add("--thickness", type=float, metavar="T", help="thickness of a wall around the surface, in place of the sign")
     add("--band", type=float, metavar="B", help="clamp distances at so many samples")
     add("--truncation", type=float, metavar="D", help="clamp distances at this length, in place of --band")
+    add("--pyramid", type=int, metavar="N", help="number of coarser levels in each .npz, each of half the resolution (0)")
     add("--arrays", nargs="+", choices=["winding", "confidence", "triangle"], help="arrays beside the distance")
     add("-n", type=int, metavar="N", help="with --what points: number of points of each mesh")
     add("--near", type=float, metavar="SHARE", help="points: share near the surface (0.94)")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, Literal, TypedDict, Unpack, overload
 
@@ -13,12 +14,13 @@ from . import _arrays, _html, _inputs, _raymap
 from ._arguments import FINITE, to_box, to_length, to_number, to_text, to_vector, to_whole
 from ._devices import to_machine
 from ._errors import UsageError
-from ._frames import IDENTITY, Frame, read_frame, save_with_frame, to_frame
+from ._frames import IDENTITY, Frame, frame_arrays, read_frame, to_frame
 from ._grid_field import GridField
 from ._mesh import core_of
 from ._pictures import slice_of, to_scene, to_view
 from ._progress import Progress, reporting
 from ._records import Comparison, FieldArray, Stats
+from ._whole_file import save_with_arrays
 
 #: Value of ``Field.triangle`` where the distance is clamped, and where surface that closes a hole is closer.
 NO_TRIANGLE = 0xFFFFFFFF
@@ -468,16 +470,20 @@ def field_of_core(core: _raymap.Field, frame: Frame = IDENTITY) -> Field:
     return made
 
 
-def save_as(field: Field, path: str, extension: str) -> None:
-    """Writes a field in the format of an extension, whatever the path ends with. A .npz holds its frame, if it has one."""
+def save_as(field: Field, path: str, extension: str, more: Mapping[str, Any] | None = None) -> None:
+    """Writes a field in the format of an extension, whatever the path ends with.
 
-    def save(to: str, format: str) -> None:
-        field._core.save(to, "distance", format)
+    A .npz holds its frame, if it has one, and further arrays. Other formats have no place for them.
+    """
 
-    if extension == ".npz" and not field._frame.is_identity:
-        save_with_frame(save, path, field._frame)
+    def save(to: str) -> None:
+        field._core.save(to, "distance", extension)
+
+    added = {**(more or {}), **({} if field._frame.is_identity else frame_arrays(field._frame))}
+    if extension == ".npz" and added:
+        save_with_arrays(save, path, added)
     else:
-        save(path, extension)
+        save(path)
 
 
 def _restore(

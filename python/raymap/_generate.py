@@ -225,43 +225,6 @@ def _generate_sparse(mesh: Mesh, options: FieldOptions) -> SparseField:
         return sparse_of_core(surface.generate_sparse(grid, band_options, machine, report))
 
 
-def generate_pyramid(
-    mesh_or_vertices: Any, faces: Any = None, *, levels: int, **options: Unpack[FieldOptions]
-) -> list[Field]:
-    """Returns fields of a mesh at several resolutions, the finest first, negative inside.
-
-    Each has half the samples of the one before along every side, rounded up, at twice the spacing, and fills the same box
-    from its low corner on. All are measured at their own samples, none is averaged. A ``band`` counts samples of the
-    finest level: all levels are clamped at the same distance.
-
-    Args:
-        mesh_or_vertices: A mesh or positions, as for ``raymap.generate``.
-        faces: Three vertex numbers per triangle, (m, 3), if positions are given.
-        levels: Number of fields.
-        **options: Options of ``raymap.generate``; they say which samples the finest level has. Errors are those of
-            ``raymap.generate``, too.
-
-    >>> [field.shape for field in raymap.generate_pyramid("ball.ply", levels=3, shape=(32, 32, 32))]
-    [(32, 32, 32), (16, 16, 16), (8, 8, 8)]
-    """
-    count = to_whole("levels", levels, least=1)
-    mesh = _inputs.to_mesh(mesh_or_vertices, faces, allow_empty=True)
-    fields = [Generator().generate(mesh, **options)]
-    while len(fields) < count:
-        last = fields[-1]
-        coarser: FieldOptions = {
-            **options,
-            "cube": False,
-            "shape": [-(-samples // 2) for samples in last.shape],
-            "origin": last.origin + last.spacing / 2,
-            "voxel_size": 2 * last.spacing,
-        }
-        if last.clamp_distance > 0:
-            coarser["truncation"], coarser["band"] = last.clamp_distance, None
-        fields.append(Generator().generate(mesh, **coarser))
-    return fields
-
-
 class Generator:
     """Makes fields and keeps its memory and its device between calls, for meshes that change.
 

@@ -119,7 +119,8 @@ def pack(
         shards.prepare(found)
         if isinstance(storage, LocalFolder):
             remove_leftovers(storage.url)
-        entries, new = _write_shards(storage, shards, [results[k : k + samples] for k in range(0, len(results), samples)], found)
+        parts = [results[first : first + samples] for first in range(0, len(results), samples)]
+        entries, new = _write_shards(storage, shards, parts, found)
     return Packed(len(entries), new, [result.name for result in results])
 
 

@@ -2,18 +2,15 @@
 
 from __future__ import annotations
 
-import io
 import os
-import zipfile
-import zlib
 from collections.abc import Iterable
 from pathlib import Path
 from typing import Any, NamedTuple, TypeAlias
 
-import numpy as np
 import numpy.typing as npt
 
 from .._errors import FileError, InputError, UsageError
+from .._whole_file import npz_arrays
 from .storage import LocalFolder, Storage
 from .work import KINDS, read_marker
 
@@ -100,21 +97,11 @@ def arrays_of(content: bytes, storage: Storage, file: str, mesh: str, names: Ite
         InputError: It is torn.
     """
     try:
-        with zipfile.ZipFile(io.BytesIO(content)) as archive:
-            stored = [name.removesuffix(".npy") for name in archive.namelist()]
-            wanted = stored if names is None else list(names)
-            if absent := [each for each in wanted if each not in stored]:
-                raise lacks_array(storage, file, mesh, absent[0])
-            return {each: _array(archive.read(f"{each}.npy")) for each in wanted}
-    except UsageError:
-        raise
-    except (ValueError, OSError, EOFError, KeyError, RuntimeError, zlib.error, zipfile.BadZipFile) as error:
+        return npz_arrays(content, names)
+    except KeyError as error:
+        raise lacks_array(storage, file, mesh, error.args[0]) from None
+    except ValueError as error:
         raise torn(storage, file, mesh, error) from None
-
-
-def _array(content: bytes) -> npt.NDArray[Any]:
-    array: npt.NDArray[Any] = np.lib.format.read_array(io.BytesIO(content), allow_pickle=False)
-    return array
 
 
 def lacks_array(storage: Storage, file: str, mesh: str, array: str) -> UsageError:
