@@ -124,7 +124,7 @@ def load_pyramid(path: str | os.PathLike[str]) -> list[Field]:
     except ValueError as error:
         raise InputError(f"{path}: no whole .npz: {error}") from None
     count = 1 + sum(re.fullmatch(r"distance_\d+", name) is not None for name in arrays)
-    frame = {name: arrays[name] for name in ("centre", "scale") if name in arrays}
+    frame: dict[str, Any] = {name: arrays[name] for name in ("centre", "scale") if name in arrays}
     try:
         return [_level(arrays, f"_{number}" if number else "", frame) for number in range(count)]
     except KeyError as error:
