@@ -116,7 +116,6 @@ class Field(GridField):
     def _take(self, core: _raymap.Field, stats: Stats | None = None) -> None:
         self._hold(core)
         self._stats: Stats = stats or core.stats()  # type: ignore[assignment]
-        self._frame = IDENTITY
 
     @property
     def distance(self) -> npt.NDArray[np.float32]:
@@ -132,16 +131,6 @@ class Field(GridField):
     def clamp_distance(self) -> float:
         """Distance at which distances are clamped, in the mesh's units; 0 = not clamped."""
         return self._core.clamp_distance
-
-    @property
-    def centre(self) -> npt.NDArray[np.float64]:
-        """Point of the mesh that lies at 0 in this field, (3,); 0 unless ``normalize`` moved the mesh."""
-        return self._frame.centre.copy()
-
-    @property
-    def scale(self) -> float:
-        """Length in this field of one unit of the mesh: field's positions = (mesh's positions - centre) * scale."""
-        return self._frame.scale
 
     def denormalized(self) -> Field:
         """Returns the field in the mesh's units and place: undoes ``normalize``.
@@ -436,8 +425,6 @@ class Field(GridField):
 
     def _repr_html_(self) -> str:
         rows = self._rows()
-        if not self._frame.is_identity:
-            rows["normalized"] = f"centre {', '.join(f'{v:.6g}' for v in self.centre)}; scale {self.scale:.6g}"
         if "distance" in self.arrays:
             rows["distance"] = f"{self.distance.min():.6g} to {self.distance.max():.6g}, negative inside"
         if self.clamp_distance > 0:

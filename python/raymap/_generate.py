@@ -212,8 +212,10 @@ def generate(
 
 
 def _generate_sparse(mesh: Mesh, options: FieldOptions) -> SparseField:
-    core = core_of(mesh)
-    grid = fit_grid(partial(_raymap.fit_grid, core), lambda: mesh.bounds, options)
+    frame = frame_of(mesh, to_normalization(options.get("normalize", False)))
+    placed = moved(mesh, frame)
+    core = core_of(placed)
+    grid = fit_grid(partial(_raymap.fit_grid, core), lambda: placed.bounds, options)
     options = with_band(options, grid)
     core_options = to_options(options, options.get("orientation", "auto"), sparse=True)
     band_options = sparse_options(options, core_options)
@@ -222,7 +224,7 @@ def _generate_sparse(mesh: Mesh, options: FieldOptions) -> SparseField:
     machine = to_machine("cpu", options.get("threads"), options.get("memory_limit"))
     with reporting(options.get("progress")) as report:
         surface = _raymap.Surface(core, surface_options, core_options.orientation, machine, report)
-        return sparse_of_core(surface.generate_sparse(grid, band_options, machine, report))
+        return sparse_of_core(surface.generate_sparse(grid, band_options, machine, report), frame)
 
 
 class Generator:

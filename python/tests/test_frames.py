@@ -77,6 +77,30 @@ def test_normalized(long_mesh: raymap.Mesh, normalize, size: float) -> None:
     assert back.stats is field.stats
 
 
+@pytest.mark.parametrize("band", [2, (np.inf, 3)])
+def test_normalized_narrow_bands(long_mesh: raymap.Mesh, band) -> None:
+    options: dict = dict(resolution=40, cube=True, normalize="unit", arrays="triangle")
+    sparse = raymap.generate(long_mesh, sparse=True, band=band, **options)
+    assert sparse.shape == (40, 40, 40) and sparse.scale == pytest.approx(1 / 4)
+    np.testing.assert_allclose(sparse.centre, (10, -20, 30), atol=1e-5)
+    dense = sparse.to_dense()
+    assert dense.scale == sparse.scale and dense.centre.tolist() == sparse.centre.tolist()
+    truth = raymap.signed_distance(long_mesh, positions(dense) / dense.scale + dense.centre) * dense.scale
+    np.testing.assert_allclose(dense.distance, np.clip(truth, -sparse.inside, sparse.outside), atol=5e-6)
+    back, copy = sparse.denormalized(), pickle.loads(pickle.dumps(sparse))
+    assert back.scale == 1 and not back.centre.any() and back.inside == pytest.approx(sparse.inside * 4)
+    assert copy.scale == sparse.scale and copy.centre.tolist() == sparse.centre.tolist()
+    np.testing.assert_allclose(back.to_dense().distance, dense.denormalized().distance)
+    np.testing.assert_allclose(back.origin, dense.denormalized().origin)
+    np.testing.assert_array_equal(back.triangle, sparse.triangle)
+    np.testing.assert_allclose(back.surface_bounds, long_mesh.bounds, atol=1e-4)
+    np.testing.assert_array_equal(raymap.SparseField.from_dense(dense, band=1).scale, dense.scale)
+    with pytest.raises(raymap.UsageError, match="a.vdb: no file holds the centre and scale of a normalized narrow band; save"):
+        sparse.save("a.vdb")
+    back.save("a.vdb")
+    assert raymap.SparseField.load("a.vdb").outside == back.outside
+
+
 def test_the_farthest_vertex_decides_the_sphere() -> None:
     """A tetrahedron, whose ball about the centre of its bounds is larger than half of its longest side."""
     corners = [(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1), (50, 0, 0)]  # No face uses the last one.
@@ -265,7 +289,6 @@ def test_every_mesh_may_have_a_box(meshes: Path) -> None:
     (dict(origin=(0, 0, 0)), "origin needs shape and voxel_size"),
     (dict(origin=(0, 0, 0), shape=(8, 8, 8)), "origin needs shape and voxel_size"),
     (dict(normalize="ball"), "normalize must be True, False, 'sphere', 'cube', 'unit', not 'ball'"),
-    (dict(normalize="cube", sparse=True), "which has no normalize"),
     (dict(truncation=0.1, band=3), "truncation takes the place of band"),
     (dict(truncation=0), "truncation must be above 0"),
 ])  # fmt: skip
