@@ -82,6 +82,17 @@ def test_zarr_arrays_have_the_mesh_as_first_axis(fields: Path) -> None:
     assert {name for name in contents("shards") if not name.endswith("zarr.json")} == files
 
 
+def test_the_index_of_a_run_that_was_stopped_last_is_completed(fields: Path) -> None:
+    load("zarr")
+    raymap.dataset.pack(fields, "shards", samples=3, format="zarr")
+    before, index = contents("shards"), Path("shards/zarr.json")
+    index.write_text(index.read_text().replace('"complete": true', '"complete": false'))
+    assert index.read_bytes() != before["zarr.json"]
+    Path("shards/distance/zarr.json").unlink()
+    assert raymap.dataset.pack(fields, "shards", samples=3, format="zarr").new == 0
+    assert contents("shards") == before
+
+
 def test_zarr_arrays_are_the_same_for_any_number_of_threads(fields: Path) -> None:
     load("zarr")
     for threads in (1, 3):
@@ -242,9 +253,10 @@ def test_a_dry_run_writes_nothing(meshes: Path) -> None:
 
 
 def test_the_command_packs(fields: Path) -> None:
-    ran = run_module("pack", "out", "-o", "shards", "--samples", 2)
+    load("zarr")
+    ran = run_module("pack", "out", "-o", "shards", "--samples", 2, "--format", "zarr", "--what", "field")
     assert ran.stdout == "4 results in 2 shards, 2 of them new\n", ran.stderr
-    assert Path("shards/shard-000001.tar").exists()
+    assert len(raymap.dataset.pack("out", "shards", samples=2, format="zarr").meshes) == 4
 
 
 def test_pandas_reads_whole_numbers_as_such(meshes: Path) -> None:
@@ -266,6 +278,7 @@ def test_pandas_reads_whole_numbers_as_such(meshes: Path) -> None:
         lambda index: {**index, "shards": [{}]},
         lambda index: {**index, "shards": 3},
         lambda index: {**index, "shards": [{**index["shards"][0], "identity": None}]},
+        lambda index: {**index, "shards": [{**index["shards"][0], "samples": [], "meshes": []}]},
         lambda index: {**index, "shards": [{**index["shards"][0], "bytes": 9, "files": {"x": 9}}]},
     ],
 )

@@ -144,6 +144,7 @@ def _meshes_below(folder: Path, out: Path) -> dict[str, str]:
 
 
 _APART = {"threads", "memory_limit", "progress"}  # Results do not depend on them.
+_REALS = {"voxel_size", "padding", "threshold", "thickness", "band", "truncation", "near", "surface"}
 _NOT_HERE = {"sparse"}  # No format of data sets is one of narrow bands.
 
 
@@ -192,7 +193,13 @@ def _with_defaults(options: Mapping[str, object], function: Callable[..., Any], 
             raise UsageError(f"{name} is no option of {what}")
         raise TypeError(f"generate() got an unexpected keyword argument {name!r}")
     values = {name: options.get(name, known[name].default) for name in known.keys() - _APART - {"recipe"}}
-    return {name: value.item() if isinstance(value, np.generic) else value for name, value in values.items()}
+    return {name: _plain(value, name in _REALS) for name, value in values.items()}
+
+
+def _plain(value: Any, is_real: bool) -> Any:
+    """Returns a number as one of Python; 4 as 4.0 where both say the same."""
+    plain = value.item() if isinstance(value, np.generic) else value
+    return float(plain) if is_real and isinstance(plain, int) else plain
 
 
 def _check(options: FieldOptions) -> None:

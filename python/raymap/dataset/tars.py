@@ -91,7 +91,8 @@ def parse_index(content: bytes) -> dict[str, Any]:
     for shard in index["shards"]:
         file, identity, format, end = (shard[name] for name in ("name", "identity", "format", "bytes"))
         ends = [sample["start"] + sample["bytes"] for sample in shard["samples"] if sample["name"] and sample["key"]]
-        if not (file and identity and format and max(ends) <= end):
+        starts = [sample["start"] for sample in shard["samples"]]
+        if not (file and identity and format and max(ends) <= end and min(starts) >= tarfile.BLOCKSIZE):
             raise ValueError(file)
     return index
 
