@@ -278,7 +278,7 @@ def test_pandas_reads_whole_numbers_as_such(meshes: Path) -> None:
         lambda index: {**index, "shards": [{}]},
         lambda index: {**index, "shards": 3},
         lambda index: {**index, "shards": [{**index["shards"][0], "identity": None}]},
-        lambda index: {**index, "shards": [{**index["shards"][0], "samples": [], "meshes": []}]},
+        lambda index: {**index, "samples": 0, "shards": [{**index["shards"][0], "samples": [], "meshes": []}]},
         lambda index: {**index, "shards": [{**index["shards"][0], "bytes": 9, "files": {"x": 9}}]},
     ],
 )
@@ -349,6 +349,16 @@ def test_results_as_a_dataset(fields: Path, format: str | None) -> None:
             np.testing.assert_array_equal(item[array], stored[array])
     with pytest.raises(raymap.UsageError, match="the result of ball.ply has no array 'winding'"):
         raymap.torch.ResultDataset(place, arrays=("winding",))[0]
+
+
+@pytest.mark.parametrize("package, shown", [("numcodecs", "numcodecs"), ("google_crc32c", "google-crc32c")])
+def test_zarr_arrays_without_a_package(fields: Path, monkeypatch: pytest.MonkeyPatch, package: str, shown: str) -> None:
+    load("zarr"), load("torch")
+    raymap.dataset.pack(fields, "shards", format="zarr")
+    data = raymap.torch.ResultDataset("shards")
+    monkeypatch.setitem(sys.modules, package, None)
+    with pytest.raises(raymap.UsageError, match=f"this needs the package {shown}: pip install 'raymap.zarr.'"):
+        data[0]
 
 
 @pytest.mark.parametrize(

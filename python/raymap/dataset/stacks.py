@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import math
 import os
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator
@@ -44,8 +45,7 @@ class StackedArray:
 
     def __init__(self, name: str, dtype: str, shape: list[int], samples: int) -> None:
         self.name, self.dtype, self.shape, self.samples = name, np.dtype(dtype), tuple(shape), samples
-        self.nbytes = self.dtype.itemsize * int(np.prod(shape))
-        self.per_chunk = samples if self.nbytes <= _SMALL else 1
+        self.per_chunk = samples if self.dtype.itemsize * math.prod(shape) <= _SMALL else 1
         """Number of results in a chunk."""
         self.chunk_count = samples // self.per_chunk
         """Number of chunks in a shard."""
@@ -245,6 +245,8 @@ def parse_index(content: bytes) -> dict[str, Any]:
         ValueError, LookupError, TypeError, AttributeError: It is none.
     """
     index: dict[str, Any] = json.loads(content)["attributes"]["raymap"]
+    if index["samples"] < 1:
+        raise ValueError(index["samples"])
     arrays = _stacked_arrays(index["arrays"], index["samples"]).values()
     for number, shard in enumerate(index["shards"]):
         if not (shard["identity"] and 0 < len(shard["meshes"]) <= index["samples"]):
@@ -278,6 +280,8 @@ class StackReader:
             file = self._arrays[name].file(shard)
             try:
                 found[name] = self._row(self._arrays[name], shard, k)
+            except UsageError:
+                raise  # A package is missing.
             except ValueError as error:
                 raise torn(self._storage, file, mesh, error) from None
             except FileNotFoundError:

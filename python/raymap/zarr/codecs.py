@@ -30,6 +30,14 @@ def zarr_package() -> Any:
     return zarr
 
 
+def _package(name: str) -> Any:
+    """Returns a package that zarr brings along."""
+    try:
+        return importlib.import_module(name)
+    except ImportError:
+        raise UsageError(f"this needs the package {name.replace('_', '-')}: pip install 'raymap[zarr]'") from None
+
+
 def compressor() -> Any:
     """Returns the codec of zarr that does what `compressed` does."""
     return zarr_package().codecs.BloscCodec(cname=_COMPRESSOR, clevel=_LEVEL, shuffle="shuffle")
@@ -40,7 +48,7 @@ def compressed(chunk: npt.NDArray[Any]) -> bytes:
 
     They are the same whenever they are made, unless the main thread calls this: Blosc then has threads of its own.
     """
-    numcodecs: Any = importlib.import_module("numcodecs")  # What zarr itself calls
+    numcodecs = _package("numcodecs")  # What zarr itself calls
     return bytes(numcodecs.Blosc(cname=_COMPRESSOR, clevel=_LEVEL, shuffle=numcodecs.Blosc.SHUFFLE).encode(chunk))
 
 
@@ -50,7 +58,7 @@ def decompress(content: bytes, chunk: npt.NDArray[Any]) -> None:
     Raises:
         ValueError: The bytes are none of such a chunk.
     """
-    numcodecs: Any = importlib.import_module("numcodecs")
+    numcodecs = _package("numcodecs")
     try:
         numcodecs.Blosc().decode(content, chunk)
     except RuntimeError as error:
@@ -59,7 +67,7 @@ def decompress(content: bytes, chunk: npt.NDArray[Any]) -> None:
 
 def with_checksum(content: bytes) -> bytes:
     """Returns bytes with their checksum, as zarr's codec crc32c appends it."""
-    crc: Any = importlib.import_module("google_crc32c")  # What zarr itself calls
+    crc = _package("google_crc32c")  # What zarr itself calls
     return content + int(crc.value(content)).to_bytes(CHECKSUM_BYTES, "little")
 
 
