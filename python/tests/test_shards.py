@@ -140,7 +140,7 @@ def test_tars_of_another_size_take_the_place_of_others(fields: Path) -> None:
 
 @pytest.mark.parametrize("format", FORMATS)
 def test_a_stopped_run_goes_on(fields: Path, monkeypatch: pytest.MonkeyPatch, format: str) -> None:
-    load("zarr")
+    load("zarr"), load("torch")
     raymap.dataset.pack(fields, "whole", samples=1, format=format)
     storage = sys.modules["raymap.dataset.storage"].LocalFolder
     original = storage.put
@@ -158,6 +158,12 @@ def test_a_stopped_run_goes_on(fields: Path, monkeypatch: pytest.MonkeyPatch, fo
     assert len(raymap.torch.ResultDataset("shards")) == 2
     assert raymap.dataset.pack(fields, "shards", samples=1, format=format).new == 2
     assert contents(Path("shards")) == contents(Path("whole"))
+    shard_files(1)[0].unlink(), shard_files(2)[0].unlink()
+    with monkeypatch.context() as patch, pytest.raises(KeyboardInterrupt):
+        patch.setattr(storage, "put", put)
+        raymap.dataset.pack(fields, "shards", samples=1, format=format)
+    data = raymap.torch.ResultDataset("shards")
+    assert len(data) == 4 and [data[k]["name"] for k in (0, 1, 3)] == [NAMES[k] for k in (0, 1, 3)]
 
 
 @pytest.mark.parametrize("format", FORMATS)
