@@ -25,8 +25,9 @@ from ._errors import (
     UsageError,
 )
 from ._field import NO_TRIANGLE, Field, load_field
-from ._generate import FieldOptions, Generator, generate, generate_pyramid
+from ._generate import FieldOptions, Generator, generate
 from ._mesh import Animation, Mesh, load_animation, load_mesh
+from ._pyramid import generate_pyramid, load_pyramid, save_pyramid
 from ._raymap import version as _version
 from ._records import (
     Comparison,
@@ -126,11 +127,13 @@ __all__ = [
     "load_animation",
     "load_field",
     "load_mesh",
+    "load_pyramid",
     "recipes",
     "render_defects",
     "repair",
     "sample_faces",
     "sample_points",
+    "save_pyramid",
     "set_threads",
     "signed_distance",
     "simplify",

@@ -89,7 +89,7 @@ def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(prog="python -m raymap", description=_DESCRIPTION)
     commands = parser.add_subparsers(dest="command", required=True)
     _add_dataset(commands.add_parser("dataset", help="make the fields of many meshes", description=_DATASET))
-    _add_pack(commands.add_parser("pack", help="pack a data set into shards for WebDataset", description=_PACK))
+    _add_pack(commands.add_parser("pack", help="pack a data set into shards, for WebDataset or Zarr", description=_PACK))
     _add_field(commands.add_parser("field", help="make a field of any size in a Zarr store", description=_FIELD))
     return parser
 
@@ -127,6 +127,7 @@ def _add_dataset(parser: argparse.ArgumentParser) -> None:
     add("--thickness", type=float, metavar="T", help="thickness of a wall around the surface, in place of the sign")
     add("--band", type=float, metavar="B", help="clamp distances at so many samples")
     add("--truncation", type=float, metavar="D", help="clamp distances at this length, in place of --band")
+    add("--pyramid", type=int, metavar="N", help="number of coarser levels in each .npz, each of half the resolution (0)")
     add("--arrays", nargs="+", choices=["winding", "confidence", "triangle"], help="arrays beside the distance")
     add("-n", type=int, metavar="N", help="with --what points: number of points of each mesh")
     add("--near", type=float, metavar="SHARE", help="points: share near the surface (0.94)")
@@ -153,7 +154,7 @@ def _add_dataset(parser: argparse.ArgumentParser) -> None:
     _add_run(parser)
 
 
-_PACK = """Packs the results of a data set into tars of many samples, as WebDataset reads them.
+_PACK = """Packs the results of a data set into shards of many samples: tars as WebDataset reads them, or Zarr arrays.
 It may be stopped and run again at any time: a second run writes the shards that are missing or have changed."""
 
 
@@ -162,10 +163,11 @@ def _add_pack(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("-o", "--output", required=True, metavar="OUT", help="folder of the shards, or its URL")
     parser.add_argument("--what", choices=["field", "points"], default="field", help="what is packed (field)")
     parser.add_argument("--samples", type=int, default=1000, metavar="N", help="results in a shard (1000)")
+    parser.add_argument("--format", choices=get_args(dataset.PackFormat), default="tar", help="format of the shards (tar)")
 
 
-def _pack(folder: str, output: str, what: str, samples: int) -> int:
-    packed = dataset.pack(folder, output, what=what, samples=samples)
+def _pack(folder: str, output: str, **options: Any) -> int:
+    packed = dataset.pack(folder, output, **options)
     with _stdout_errors():
         print(f"{len(packed.meshes)} results in {packed.shards} shards, {packed.new} of them new")
     return 0

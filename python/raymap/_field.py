@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, Literal, TypedDict, Unpack, overload
 
@@ -13,12 +14,13 @@ from . import _arrays, _html, _inputs, _raymap
 from ._arguments import FINITE, to_box, to_length, to_number, to_text, to_vector, to_whole
 from ._devices import to_machine
 from ._errors import UsageError
-from ._frames import IDENTITY, Frame, read_frame, save_with_frame, to_frame
+from ._frames import IDENTITY, Frame, frame_arrays, read_frame, to_frame
 from ._grid_field import GridField
 from ._mesh import core_of
 from ._pictures import slice_of, to_scene, to_view
 from ._progress import Progress, reporting
 from ._records import Comparison, FieldArray, Stats
+from ._whole_file import save_with_arrays
 
 #: Value of ``Field.triangle`` where the distance is clamped, and where surface that closes a hole is closer.
 NO_TRIANGLE = 0xFFFFFFFF
@@ -114,7 +116,6 @@ class Field(GridField):
     def _take(self, core: _raymap.Field, stats: Stats | None = None) -> None:
         self._hold(core)
         self._stats: Stats = stats or core.stats()  # type: ignore[assignment]
-        self._frame = IDENTITY
 
     @property
     def distance(self) -> npt.NDArray[np.float32]:
@@ -130,16 +131,6 @@ class Field(GridField):
     def clamp_distance(self) -> float:
         """Distance at which distances are clamped, in the mesh's units; 0 = not clamped."""
         return self._core.clamp_distance
-
-    @property
-    def centre(self) -> npt.NDArray[np.float64]:
-        """Point of the mesh that lies at 0 in this field, (3,); 0 unless ``normalize`` moved the mesh."""
-        return self._frame.centre.copy()
-
-    @property
-    def scale(self) -> float:
-        """Length in this field of one unit of the mesh: field's positions = (mesh's positions - centre) * scale."""
-        return self._frame.scale
 
     def denormalized(self) -> Field:
         """Returns the field in the mesh's units and place: undoes ``normalize``.
@@ -434,8 +425,6 @@ class Field(GridField):
 
     def _repr_html_(self) -> str:
         rows = self._rows()
-        if not self._frame.is_identity:
-            rows["normalized"] = f"centre {', '.join(f'{v:.6g}' for v in self.centre)}; scale {self.scale:.6g}"
         if "distance" in self.arrays:
             rows["distance"] = f"{self.distance.min():.6g} to {self.distance.max():.6g}, negative inside"
         if self.clamp_distance > 0:
@@ -468,16 +457,20 @@ def field_of_core(core: _raymap.Field, frame: Frame = IDENTITY) -> Field:
     return made
 
 
-def save_as(field: Field, path: str, extension: str) -> None:
-    """Writes a field in the format of an extension, whatever the path ends with. A .npz holds its frame, if it has one."""
+def save_as(field: Field, path: str, extension: str, more: Mapping[str, Any] | None = None) -> None:
+    """Writes a field in the format of an extension, whatever the path ends with.
 
-    def save(to: str, format: str) -> None:
-        field._core.save(to, "distance", format)
+    A .npz holds its frame, if it has one, and further arrays. Other formats have no place for them.
+    """
 
-    if extension == ".npz" and not field._frame.is_identity:
-        save_with_frame(save, path, field._frame)
+    def save(to: str) -> None:
+        field._core.save(to, "distance", extension)
+
+    added = {**(more or {}), **({} if field._frame.is_identity else frame_arrays(field._frame))}
+    if extension == ".npz" and added:
+        save_with_arrays(save, path, added)
     else:
-        save(path, extension)
+        save(path)
 
 
 def _restore(

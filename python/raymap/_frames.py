@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import zipfile
 from pathlib import Path
 from typing import Any, Literal, NamedTuple, TypeAlias, get_args
 
@@ -11,7 +10,6 @@ import numpy.typing as npt
 
 from ._errors import InputError, UsageError
 from ._mesh import Mesh
-from ._whole_file import add_arrays, file_errors, folder_beside
 
 #: Shape that a mesh fills once it is normalized: the ball of radius 1, the cube from -1 to 1, or that from -0.5 to 0.5.
 Normalization: TypeAlias = Literal["sphere", "cube", "unit"]
@@ -77,10 +75,9 @@ def moved(mesh: Mesh, frame: Frame) -> Mesh:
     return mesh if frame.is_identity else Mesh(frame.into(mesh.vertices), mesh.faces)
 
 
-def append_frame(path: Path, frame: Frame) -> None:
-    """Adds the arrays ``centre`` and ``scale`` to a .npz. The same frame gives the same bytes."""
-    with zipfile.ZipFile(path, "a") as archive:
-        add_arrays(archive, {"centre": frame.centre, "scale": np.float64(frame.scale)})
+def frame_arrays(frame: Frame) -> dict[str, Any]:
+    """Returns the arrays that hold a frame in a .npz."""
+    return {"centre": frame.centre, "scale": np.float64(frame.scale)}
 
 
 def read_frame(path: Path) -> Frame:
@@ -107,12 +104,3 @@ def to_frame(centre: npt.ArrayLike, scale: Any, where: str = "") -> Frame:
     if not (np.ndim(scale) == 0 and 0.0 < scale < np.inf):
         raise InputError(f"{where}scale must be a finite number above 0, not {scale}")
     return Frame(place, float(scale))
-
-
-def save_with_frame(save: Any, path: str, frame: Frame) -> None:
-    """Writes a .npz by ``save(path, ".npz")`` with a frame in it. The file appears whole or not at all."""
-    target = Path(path)
-    with file_errors(), folder_beside(target) as folder:
-        save(str(folder / "whole"), ".npz")
-        append_frame(folder / "whole", frame)
-        (folder / "whole").replace(target)

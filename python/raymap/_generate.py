@@ -212,8 +212,10 @@ def generate(
 
 
 def _generate_sparse(mesh: Mesh, options: FieldOptions) -> SparseField:
-    core = core_of(mesh)
-    grid = fit_grid(partial(_raymap.fit_grid, core), lambda: mesh.bounds, options)
+    frame = frame_of(mesh, to_normalization(options.get("normalize", False)))
+    placed = moved(mesh, frame)
+    core = core_of(placed)
+    grid = fit_grid(partial(_raymap.fit_grid, core), lambda: placed.bounds, options)
     options = with_band(options, grid)
     core_options = to_options(options, options.get("orientation", "auto"), sparse=True)
     band_options = sparse_options(options, core_options)
@@ -222,44 +224,7 @@ def _generate_sparse(mesh: Mesh, options: FieldOptions) -> SparseField:
     machine = to_machine("cpu", options.get("threads"), options.get("memory_limit"))
     with reporting(options.get("progress")) as report:
         surface = _raymap.Surface(core, surface_options, core_options.orientation, machine, report)
-        return sparse_of_core(surface.generate_sparse(grid, band_options, machine, report))
-
-
-def generate_pyramid(
-    mesh_or_vertices: Any, faces: Any = None, *, levels: int, **options: Unpack[FieldOptions]
-) -> list[Field]:
-    """Returns fields of a mesh at several resolutions, the finest first, negative inside.
-
-    Each has half the samples of the one before along every side, rounded up, at twice the spacing, and fills the same box
-    from its low corner on. All are measured at their own samples, none is averaged. A ``band`` counts samples of the
-    finest level: all levels are clamped at the same distance.
-
-    Args:
-        mesh_or_vertices: A mesh or positions, as for ``raymap.generate``.
-        faces: Three vertex numbers per triangle, (m, 3), if positions are given.
-        levels: Number of fields.
-        **options: Options of ``raymap.generate``; they say which samples the finest level has. Errors are those of
-            ``raymap.generate``, too.
-
-    >>> [field.shape for field in raymap.generate_pyramid("ball.ply", levels=3, shape=(32, 32, 32))]
-    [(32, 32, 32), (16, 16, 16), (8, 8, 8)]
-    """
-    count = to_whole("levels", levels, least=1)
-    mesh = _inputs.to_mesh(mesh_or_vertices, faces, allow_empty=True)
-    fields = [Generator().generate(mesh, **options)]
-    while len(fields) < count:
-        last = fields[-1]
-        coarser: FieldOptions = {
-            **options,
-            "cube": False,
-            "shape": [-(-samples // 2) for samples in last.shape],
-            "origin": last.origin + last.spacing / 2,
-            "voxel_size": 2 * last.spacing,
-        }
-        if last.clamp_distance > 0:
-            coarser["truncation"], coarser["band"] = last.clamp_distance, None
-        fields.append(Generator().generate(mesh, **coarser))
-    return fields
+        return sparse_of_core(surface.generate_sparse(grid, band_options, machine, report), frame)
 
 
 class Generator:

@@ -11,6 +11,7 @@ from . import _arrays, _raymap
 from ._arguments import to_number, to_threads
 from ._arrays import Points, SampleOptions, Singles
 from ._errors import UsageError
+from ._frames import IDENTITY, Frame
 from ._mesh import Mesh, mesh_of_core
 from ._progress import Progress, reporting
 
@@ -22,8 +23,10 @@ class GridField:
 
     _views: dict[str, npt.NDArray[Any]]
 
-    def _hold(self, core: Any) -> None:
-        self._core, self._views = core, {}
+    _frame: Frame
+
+    def _hold(self, core: Any, frame: Frame = IDENTITY) -> None:
+        self._core, self._views, self._frame = core, {}, frame
 
     def _array(self, name: str) -> npt.NDArray[Any]:
         if name in self._views:
@@ -85,6 +88,16 @@ class GridField:
     def spacing(self) -> float:
         """Distance between neighbouring samples, in the mesh's units; the same along x, y and z."""
         return self._core.spacing
+
+    @property
+    def centre(self) -> npt.NDArray[np.float64]:
+        """Point of the mesh that lies at 0 in this field, (3,); 0 unless ``normalize`` moved the mesh."""
+        return self._frame.centre.copy()
+
+    @property
+    def scale(self) -> float:
+        """Length in this field of one unit of the mesh: field's positions = (mesh's positions - centre) * scale."""
+        return self._frame.scale
 
     @property
     def surface_bounds(self) -> npt.NDArray[np.float64] | None:
@@ -191,9 +204,12 @@ class GridField:
 
     def _rows(self) -> dict[str, Any]:
         """Returns the rows of the table that a notebook shows."""
-        return {
+        rows = {
             "samples": " × ".join(map(str, self.shape)),
             "spacing": f"{self.spacing:.6g}",
             "origin": ", ".join(f"{v:.6g}" for v in self.origin),
             "arrays": ", ".join(self.arrays),
         }
+        if not self._frame.is_identity:
+            rows["normalized"] = f"centre {', '.join(f'{v:.6g}' for v in self.centre)}; scale {self.scale:.6g}"
+        return rows

@@ -10,10 +10,11 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _raymap, _views
-from ._arguments import set_arrays, to_length, to_number, to_text, to_vector
+from ._arguments import set_arrays, to_box, to_length, to_number, to_text, to_vector
 from ._devices import to_machine
 from ._errors import UsageError
 from ._field import Field, core_of_field, field_of_core
+from ._frames import IDENTITY, Frame
 from ._grid_field import GridField
 from ._pictures import slice_of, to_scene, to_view
 from ._progress import Progress, reporting
@@ -32,7 +33,6 @@ _DENSE_ONLY: dict[str, Any] = {
     "close_holes": False,
     "thickness": None,
     "allow_empty": False,
-    "normalize": False,
 }
 
 
@@ -113,7 +113,8 @@ class SparseField(GridField):
         """
         options = _band_options(band, field.arrays)
         machine = to_machine("cpu", threads, memory_limit)
-        return sparse_of_core(_raymap.to_sparse(core_of_field(field), options, machine))
+        core = _raymap.to_sparse(core_of_field(field), options, machine)
+        return sparse_of_core(core, Frame(field.centre, field.scale))
 
     @property
     def origins(self) -> npt.NDArray[np.int32]:
@@ -233,7 +234,31 @@ class SparseField(GridField):
         >>> raymap.generate("ball.ply", resolution=64, sparse=True).to_dense()
         raymap.Field(64 x 64 x 64 samples, spacing 0.0375, arrays distance)
         """
-        return field_of_core(self._core.to_dense(to_machine("cpu", threads, memory_limit)))
+        return field_of_core(self._core.to_dense(to_machine("cpu", threads, memory_limit)), self._frame)
+
+    def denormalized(self) -> SparseField:
+        """Returns the narrow band in the mesh's units and place: undoes ``normalize``, as ``Field.denormalized`` does.
+
+        >>> band = raymap.generate("ball.ply", resolution=64, sparse=True, normalize="unit")
+        >>> round(band.scale, 3), round(band.spacing, 5), round(band.denormalized().spacing, 5)
+        (0.5, 0.01875, 0.0375)
+        """
+        bounds, single = self.surface_bounds, np.float32(self.scale)
+        return _restore(
+            self.shape,
+            self._frame.back(self.origin),
+            self.spacing / self.scale,
+            float(np.float32(self.outside) / single),
+            float(np.float32(self.inside) / single),
+            None if bounds is None else to_box("surface_bounds", self._frame.back(bounds)),
+            self.origins,
+            self.tile_origins,
+            self.tile_sides,
+            {**self._named_arrays(), "distance": self.values / single},
+        )
+
+    def _named_arrays(self) -> dict[Any, npt.NDArray[Any]]:
+        return {name: self._array(name) for name in self._core.arrays}
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Writes all arrays as .vdb or .nvdb, which grow with the surface. The file appears whole or not at all.
@@ -241,12 +266,15 @@ class SparseField(GridField):
         ``SparseField.load`` reads it, and ``raymap.load_field`` as a dense field.
 
         Raises:
-            UsageError: Another extension.
+            UsageError: Another extension, or a normalized band: the files have no place for its centre and scale.
             FileError: The file cannot be written.
             UnsupportedError: This build cannot write .vdb and .nvdb.
 
         >>> raymap.generate("ball.ply", resolution=64, sparse=True).save("band.vdb")
         """
+        if not self._frame.is_identity:
+            text = "no file holds the centre and scale of a normalized narrow band; save band.denormalized()"
+            raise UsageError(f"{os.fspath(path)}: {text}")
         self._core.save(os.fspath(path))
 
     def __repr__(self) -> str:
@@ -262,9 +290,9 @@ class SparseField(GridField):
         return _views.html_table("raymap.SparseField", rows)
 
     def __reduce__(self) -> tuple[Any, ...]:
-        arrays = {name: self._array(name) for name in self.arrays}
         placement = self.shape, self.origin, self.spacing, self.outside, self.inside, self._core.surface_bounds
-        return _restore, (*placement, self.origins, self.tile_origins, self.tile_sides, arrays)
+        leaves = self.origins, self.tile_origins, self.tile_sides, self._named_arrays()
+        return _restore, (*placement, *leaves, self._frame)
 
 
 def core_of_sparse(field: SparseField) -> _raymap.SparseField:
@@ -272,10 +300,10 @@ def core_of_sparse(field: SparseField) -> _raymap.SparseField:
     return field._core
 
 
-def sparse_of_core(core: _raymap.SparseField) -> SparseField:
+def sparse_of_core(core: _raymap.SparseField, frame: Frame = IDENTITY) -> SparseField:
     """Returns the field that the extension module has made."""
     made = SparseField.__new__(SparseField)
-    made._hold(core)
+    made._hold(core, frame)
     return made
 
 
@@ -316,12 +344,13 @@ def _restore(
     tile_origins: npt.NDArray[np.int32],
     tile_sides: npt.NDArray[np.int32],
     arrays: dict[FieldArray, npt.NDArray[Any]],
+    frame: Frame = IDENTITY,
 ) -> SparseField:
-    """Makes a field of what was pickled."""
+    """Makes a field of all that it holds."""
     whole = [np.ascontiguousarray(array, np.int32) for array in (origins, tile_origins, tile_sides)]
     core = _raymap.SparseField(shape, to_vector("origin", origin), spacing, outside, inside, surface_bounds, *whole)
     restored = SparseField.__new__(SparseField)
-    restored._hold(core)
+    restored._hold(core, frame)
     for name, array in arrays.items():
         restored._set(name, np.ascontiguousarray(array.transpose(0, 3, 2, 1)))  # x fastest
     core.validate()

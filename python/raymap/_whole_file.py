@@ -10,12 +10,14 @@ import re
 import shutil
 import tempfile
 import zipfile
-from collections.abc import Callable, Iterator, Mapping
+import zlib
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 from typing import IO, Any
 
 import numpy as np
+import numpy.typing as npt
 
 from ._errors import Error, FileError
 
@@ -64,6 +66,41 @@ def add_arrays(archive: zipfile.ZipFile, arrays: Mapping[str, Any]) -> None:
     for name, value in arrays.items():
         with archive.open(zipfile.ZipInfo(f"{name}.npy"), "w", force_zip64=True) as file:
             np.lib.format.write_array(file, np.asarray(value), allow_pickle=False)
+
+
+def npz_arrays(content: bytes, names: Iterable[str] | None = None) -> dict[str, npt.NDArray[Any]]:
+    """Returns arrays of the bytes of a .npz: those of these names, or all.
+
+    Raises:
+        KeyError: It has no array of such a name, which is the error's argument.
+        ValueError: It is torn.
+    """
+    try:
+        with zipfile.ZipFile(io.BytesIO(content)) as archive:
+            stored = [name.removesuffix(".npy") for name in archive.namelist()]
+            wanted = stored if names is None else list(names)
+            missing = [name for name in wanted if name not in stored]
+            found = {} if missing else {name: _array(archive.read(f"{name}.npy")) for name in wanted}
+    except (ValueError, OSError, EOFError, KeyError, RuntimeError, zlib.error, zipfile.BadZipFile) as error:
+        raise ValueError(str(error)) from None
+    if missing:
+        raise KeyError(missing[0])
+    return found
+
+
+def _array(content: bytes) -> npt.NDArray[Any]:
+    array: npt.NDArray[Any] = np.lib.format.read_array(io.BytesIO(content), allow_pickle=False)
+    return array
+
+
+def save_with_arrays(save: Callable[[str], object], path: str, arrays: Mapping[str, Any]) -> None:
+    """Writes a .npz by a function, and adds arrays to it. The file appears whole or not at all."""
+    target = Path(path)
+    with file_errors(), folder_beside(target) as folder:
+        save(str(folder / "whole"))
+        with zipfile.ZipFile(folder / "whole", "a") as archive:
+            add_arrays(archive, arrays)
+        (folder / "whole").replace(target)
 
 
 def remove_leftovers(folder: str | os.PathLike[str]) -> None:

@@ -13,7 +13,9 @@ import pytest
 import raymap
 from conftest import make_ball
 from data_set import run_module
+from helpers import load
 from raymap import _frames
+from raymap.dataset.read import Results
 
 
 @pytest.fixture(scope="module")
@@ -73,6 +75,30 @@ def test_normalized(long_mesh: raymap.Mesh, normalize, size: float) -> None:
     np.testing.assert_array_equal(back.triangle, field.triangle)
     np.testing.assert_allclose(back.surface_bounds, long_mesh.bounds, atol=1e-4)
     assert back.stats is field.stats
+
+
+@pytest.mark.parametrize("band", [2, (np.inf, 3)])
+def test_normalized_narrow_bands(long_mesh: raymap.Mesh, band) -> None:
+    options: dict = dict(resolution=40, cube=True, normalize="unit", arrays="triangle")
+    sparse = raymap.generate(long_mesh, sparse=True, band=band, **options)
+    assert sparse.shape == (40, 40, 40) and sparse.scale == pytest.approx(1 / 4)
+    np.testing.assert_allclose(sparse.centre, (10, -20, 30), atol=1e-5)
+    dense = sparse.to_dense()
+    assert dense.scale == sparse.scale and dense.centre.tolist() == sparse.centre.tolist()
+    truth = raymap.signed_distance(long_mesh, positions(dense) / dense.scale + dense.centre) * dense.scale
+    np.testing.assert_allclose(dense.distance, np.clip(truth, -sparse.inside, sparse.outside), atol=5e-6)
+    back, copy = sparse.denormalized(), pickle.loads(pickle.dumps(sparse))
+    assert back.scale == 1 and not back.centre.any() and back.inside == pytest.approx(sparse.inside * 4)
+    assert copy.scale == sparse.scale and copy.centre.tolist() == sparse.centre.tolist()
+    np.testing.assert_allclose(back.to_dense().distance, dense.denormalized().distance)
+    np.testing.assert_allclose(back.origin, dense.denormalized().origin)
+    np.testing.assert_array_equal(back.triangle, sparse.triangle)
+    np.testing.assert_allclose(back.surface_bounds, long_mesh.bounds, atol=1e-4)
+    np.testing.assert_array_equal(raymap.SparseField.from_dense(dense, band=1).scale, dense.scale)
+    with pytest.raises(raymap.UsageError, match="a.vdb: no file holds the centre and scale of a normalized narrow band; save"):
+        sparse.save("a.vdb")
+    back.save("a.vdb")
+    assert raymap.SparseField.load("a.vdb").outside == back.outside
 
 
 def test_the_farthest_vertex_decides_the_sphere() -> None:
@@ -139,6 +165,89 @@ def test_levels_of_a_pyramid_fill_one_box(long_mesh: raymap.Mesh) -> None:
         assert_exact(level, long_mesh, level.scale, level.centre, limit=1.5 * levels[0].spacing)
 
 
+@pytest.mark.parametrize(
+    "options",
+    [
+        dict(band=2, normalize="unit", arrays=("winding", "confidence", "triangle")),
+        dict(bounds=((8, -22, 28), (12, -18, 32))),
+    ],
+)
+def test_a_pyramid_comes_back_from_its_file(long_mesh: raymap.Mesh, options: dict) -> None:
+    levels = raymap.generate_pyramid(long_mesh, levels=3, resolution=12, device="cpu", **options)
+    raymap.save_pyramid(levels, "levels.npz")
+    loaded = raymap.load_pyramid("levels.npz")
+    assert len(loaded) == 3
+    for given, found in zip(levels, loaded):
+        assert (found.spacing, found.clamp_distance, found.scale) == (given.spacing, given.clamp_distance, given.scale)
+        assert found.arrays == given.arrays and found.origin.tolist() == given.origin.tolist()
+        assert found.centre.tolist() == given.centre.tolist()
+        np.testing.assert_array_equal(found.surface_bounds, given.surface_bounds)
+        for name in given.arrays:
+            np.testing.assert_array_equal(getattr(found, name), getattr(given, name))
+    with pytest.warns(raymap.RaymapWarning, match="it also holds 'distance_1'"):
+        finest = raymap.load_field("levels.npz")
+    np.testing.assert_array_equal(finest.distance, levels[0].distance)
+    levels[1].save("one.npz")  # A field alone is a pyramid, too.
+    assert [level.shape for level in raymap.load_pyramid("one.npz")] == [levels[1].shape]
+
+
+def test_wrong_pyramids(long_mesh: raymap.Mesh) -> None:
+    one, other = (raymap.generate(long_mesh, resolution=6, normalize=normalize, device="cpu") for normalize in (True, False))
+    with pytest.raises(raymap.UsageError, match="levels.vdb: a pyramid is saved as .npz"):
+        raymap.save_pyramid([one], "levels.vdb")
+    with pytest.raises(raymap.UsageError, match="levels: there is none"):
+        raymap.save_pyramid([], "levels.npz")
+    with pytest.raises(raymap.UsageError, match="levels: number 1 has another centre or scale than number 0"):
+        raymap.save_pyramid([one, other], "levels.npz")
+    raymap.save_pyramid([one, one], "levels.npz")
+    arrays = dict(np.load("levels.npz"))
+    for change, text in (
+        ({"spacing_1": None}, "there is no array 'spacing_1'"),
+        ({"distance": None}, "there is no array 'distance'"),
+        ({"spacing_1": np.float64(0)}, "spacing must be above 0"),
+        ({"origin": np.zeros(2)}, "origin must be"),
+        ({"surface_bounds_1": np.zeros(5)}, "cannot reshape"),
+        ({"scale": np.float64(-1)}, "scale must be"),
+    ):
+        np.savez("bad.npz", **{name: array for name, array in {**arrays, **change}.items() if array is not None})
+        with pytest.raises(raymap.InputError, match=f"bad.npz: {text}"):
+            raymap.load_pyramid("bad.npz")
+    Path("bad.npz").write_bytes(Path("levels.npz").read_bytes()[:500])
+    with pytest.raises(raymap.InputError, match="bad.npz: no whole .npz"):
+        raymap.load_pyramid("bad.npz")
+    with pytest.raises(raymap.FileError, match="none.npz: cannot read"):
+        raymap.load_pyramid("none.npz")
+
+
+def test_data_sets_of_pyramids(meshes: Path) -> None:
+    options: dict = dict(resolution=9, cube=True, band=4, normalize="cube")
+    (meshes / "open.OBJ").unlink(), (meshes / "small.ply").unlink()
+    names = raymap.dataset.generate(meshes, "out", pyramid=1, **options).done
+    assert names == ["ball.ply", "deep/tetrahedron.ply"]
+    load("zarr")
+    raymap.dataset.pack("out", "tars")
+    raymap.dataset.pack("out", "arrays", format="zarr")
+    readers = [Results(place) for place in ("out", "tars", "arrays")]
+    for k, name in enumerate(names):
+        levels = raymap.generate_pyramid(meshes / name, levels=2, device="cpu", **options)
+        for level, found in zip(levels, raymap.load_pyramid(f"out/{name}.npz"), strict=True):
+            np.testing.assert_array_equal(found.distance, level.distance)
+        for reader in readers:
+            item = reader[k]
+            np.testing.assert_array_equal(item["distance"], levels[0].distance)
+            np.testing.assert_array_equal(item["distance_1"], levels[1].distance)
+            assert float(item["spacing_1"]) == levels[1].spacing
+    assert raymap.dataset.generate(meshes, "out", pyramid=1, **{**options, "band": 4.0}).new == []
+    assert raymap.dataset.generate(meshes, "out", dry_run=True, **options).new == names
+    for given, text in (
+        (dict(pyramid=1, format="vdb"), "pyramid needs files of several grids, so the format npz, not 'vdb'"),
+        (dict(pyramid=-1), "pyramid must be 0 or more, not -1"),
+        (dict(pyramid=1, what="points", n=9), "pyramid is no option of points"),
+    ):
+        with pytest.raises(raymap.UsageError, match=text):
+            raymap.dataset.generate(meshes, "out", **given)
+
+
 def test_data_sets_can_be_stacked(meshes: Path) -> None:
     raymap.dataset.generate(meshes, "out", workers=2, resolution=12, cube=True, normalize="cube", truncation=0.2)
     rows = {row["mesh"]: row for row in csv.DictReader(open("out/table.csv"))}
@@ -152,7 +261,7 @@ def test_data_sets_can_be_stacked(meshes: Path) -> None:
         assert float(rows[name]["scale"]) == field.scale and float(rows[name]["centre_x"]) == field.centre[0]
     assert raymap.dataset.generate(meshes, "out", resolution=12, cube=True, normalize="cube", truncation=0.2).new == []
     ran = run_module(
-        "dataset", meshes, "-o", "out", "--resolution", 12, "--cube", "--normalize", "cube", "--truncation", 0.2
+        "dataset", meshes, "-o", "out", "--resolution", 12, "--cube", "--normalize", "cube", "--truncation", 0.2, "--pyramid", 0
     )
     assert ran.returncode == 0 and "0 of them new" in ran.stdout, ran.stdout + ran.stderr
 
@@ -180,7 +289,6 @@ def test_every_mesh_may_have_a_box(meshes: Path) -> None:
     (dict(origin=(0, 0, 0)), "origin needs shape and voxel_size"),
     (dict(origin=(0, 0, 0), shape=(8, 8, 8)), "origin needs shape and voxel_size"),
     (dict(normalize="ball"), "normalize must be True, False, 'sphere', 'cube', 'unit', not 'ball'"),
-    (dict(normalize="cube", sparse=True), "which has no normalize"),
     (dict(truncation=0.1, band=3), "truncation takes the place of band"),
     (dict(truncation=0), "truncation must be above 0"),
 ])  # fmt: skip

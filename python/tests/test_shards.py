@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import json
+import pickle
 import subprocess
 import sys
 import tarfile
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -60,55 +63,125 @@ def test_shards_hold_results_and_markers_as_webdataset_reads_them(fields: Path) 
             assert part == Path(f"out/{sample['name']}.npz").read_bytes()
 
 
-def test_shards_are_written_again_only_where_something_changed(fields: Path, meshes: Path) -> None:
-    raymap.dataset.pack(fields, "shards", samples=1)
+def test_zarr_arrays_have_the_mesh_as_first_axis(fields: Path) -> None:
+    zarr = load("zarr")
+    assert raymap.dataset.pack(fields, "shards", samples=3, format="zarr") == (2, 2, NAMES)
+    group = zarr.open_group("shards", mode="r")
+    results = [dict(np.load(f"out/{name}.npz")) for name in NAMES]
+    assert sorted(group.array_keys()) == sorted(results[0])
+    for name, array in group.arrays():
+        stacked = np.stack([result[name] for result in results])
+        assert array.dtype == stacked.dtype and array.shape == stacked.shape
+        np.testing.assert_array_equal(array[:], stacked)
+    assert group["distance"].chunks == (1, 8, 8, 8) and group["distance"].shards == (3, 8, 8, 8)
+    assert group["distance"].metadata.dimension_names == ("mesh", "x", "y", "z") and group["spacing"].chunks == (3,)
+    about = group.attrs["raymap"]
+    assert [shard["meshes"] for shard in about["shards"]] == [NAMES[:3], NAMES[3:]] and about["complete"] is True
+    assert about["inside"] == "negative" and about["options"]["resolution"] == 8 and about["raymap"] and about["what"] == "field"
+    files = {name for shard in about["shards"] for name in shard["files"]}
+    assert {name for name in contents("shards") if not name.endswith("zarr.json")} == files
+
+
+def test_the_index_of_a_run_that_was_stopped_last_is_completed(fields: Path) -> None:
+    load("zarr")
+    raymap.dataset.pack(fields, "shards", samples=3, format="zarr")
+    before, index = contents("shards"), Path("shards/zarr.json")
+    index.write_text(index.read_text().replace('"complete": true', '"complete": false'))
+    assert index.read_bytes() != before["zarr.json"]
+    Path("shards/distance/zarr.json").unlink()
+    assert raymap.dataset.pack(fields, "shards", samples=3, format="zarr").new == 0
+    assert contents("shards") == before
+
+
+def test_zarr_arrays_are_the_same_for_any_number_of_threads(fields: Path) -> None:
+    load("zarr")
+    for threads in (1, 3):
+        raymap.set_threads(threads)
+        raymap.dataset.pack(fields, f"shards{threads}", samples=3, format="zarr")
+    raymap.set_threads(None)
+    assert contents("shards1") == contents("shards3")
+
+
+FORMATS = ["tar", "zarr"]
+
+
+def shard_files(number: int, folder: str = "shards") -> list[Path]:
+    """Returns the files of a shard of one result."""
+    names = (f"shard-{number:06d}.tar", f"distance/c/{number}/0/0/0", f"spacing/c/{number}")
+    return [path for name in names if (path := Path(folder, name)).exists()]
+
+
+@pytest.mark.parametrize("format", FORMATS)
+def test_shards_are_written_again_only_where_something_changed(fields: Path, meshes: Path, format: str) -> None:
+    load("zarr")
+    raymap.dataset.pack(fields, "shards", samples=1, format=format)
     before = contents(Path("shards"))
-    assert raymap.dataset.pack(fields, "shards", samples=1).new == 0
-    Path("shards/shard-000002.tar").write_bytes(before["shard-000002.tar"][:1000])
-    Path("shards/shard-000003.tar").unlink()
-    assert raymap.dataset.pack(fields, "shards", samples=1).new == 2
+    assert raymap.dataset.pack(fields, "shards", samples=1, format=format).new == 0
+    torn, lost = shard_files(2)[0], shard_files(3)[-1]
+    torn.write_bytes(torn.read_bytes()[:100])
+    lost.unlink()
+    assert raymap.dataset.pack(fields, "shards", samples=1, format=format).new == 2
     assert contents(Path("shards")) == before
     ball = raymap.load_mesh(meshes / "small.ply")
     raymap.Mesh(ball.vertices * 2, ball.faces).save(meshes / "small.ply")
     generate(meshes, **OPTIONS)
-    assert raymap.dataset.pack(fields, "shards", samples=1).new == 1
+    assert raymap.dataset.pack(fields, "shards", samples=1, format=format).new == 1
+    for path in Path("out").glob("small.ply.*"):
+        path.unlink()
+    assert raymap.dataset.pack(fields, "shards", samples=1, format=format) == (3, 0, NAMES[:3])
+    assert shard_files(2) and not shard_files(3)
+
+
+def test_tars_of_another_size_take_the_place_of_others(fields: Path) -> None:
+    raymap.dataset.pack(fields, "shards", samples=1)
     assert raymap.dataset.pack(fields, "shards", samples=4).new == 1
     assert sorted(contents(Path("shards"))) == ["index.json", "shard-000000.tar"]
 
 
-def test_a_stopped_run_goes_on(fields: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    raymap.dataset.pack(fields, "whole", samples=1)
-    written: list[str] = []
-    pack = sys.modules["raymap.dataset.packing"]
-    original = pack._write_shard
+@pytest.mark.parametrize("format", FORMATS)
+def test_a_stopped_run_goes_on(fields: Path, monkeypatch: pytest.MonkeyPatch, format: str) -> None:
+    load("zarr"), load("torch")
+    raymap.dataset.pack(fields, "whole", samples=1, format=format)
+    storage = sys.modules["raymap.dataset.storage"].LocalFolder
+    original = storage.put
+    last = shard_files(2, "whole")[0].relative_to("whole")
 
-    def write(storage, name, *rest):
-        if len(written) == 2:
+    def put(self, path: Path, name: str) -> None:
+        if name == str(last):
             raise KeyboardInterrupt
-        written.append(name)
-        return original(storage, name, *rest)
+        original(self, path, name)
 
     with monkeypatch.context() as patch, pytest.raises(KeyboardInterrupt):
-        patch.setattr(pack, "_write_shard", write)
-        raymap.dataset.pack(fields, "shards", samples=1)
-    assert sorted(contents(Path("shards"))) == ["index.json", "shard-000000.tar", "shard-000001.tar"]
-    assert raymap.dataset.pack(fields, "shards", samples=1).new == 2
+        patch.setattr(storage, "put", put)
+        raymap.dataset.pack(fields, "shards", samples=1, format=format)
+    assert shard_files(0) and shard_files(1) and not Path("shards", last).exists()
+    assert len(raymap.torch.ResultDataset("shards")) == 2
+    assert raymap.dataset.pack(fields, "shards", samples=1, format=format).new == 2
     assert contents(Path("shards")) == contents(Path("whole"))
+    shard_files(1)[0].unlink(), shard_files(2)[0].unlink()
+    with monkeypatch.context() as patch, pytest.raises(KeyboardInterrupt):
+        patch.setattr(storage, "put", put)
+        raymap.dataset.pack(fields, "shards", samples=1, format=format)
+    data = raymap.torch.ResultDataset("shards")
+    assert len(data) == 4 and [data[k]["name"] for k in (0, 1, 3)] == [NAMES[k] for k in (0, 1, 3)]
 
 
-def test_shards_behind_an_url(fields: Path) -> None:
-    load("fsspec")
-    raymap.dataset.pack(fields, "shards", samples=3)
-    assert raymap.dataset.pack(fields, "memory://bucket/shards", samples=3).new == 2
-    assert raymap.dataset.pack(fields, "memory://bucket/shards", samples=3).new == 0
+@pytest.mark.parametrize("format", FORMATS)
+def test_shards_behind_an_url(fields: Path, format: str) -> None:
+    load("fsspec"), load("zarr")
     files = sys.modules["fsspec"].filesystem("memory")
+    if files.exists("/bucket/shards"):
+        files.rm("/bucket/shards", recursive=True)
+    raymap.dataset.pack(fields, "shards", samples=3, format=format)
+    assert raymap.dataset.pack(fields, "memory://bucket/shards", samples=3, format=format).new == 2
+    assert raymap.dataset.pack(fields, "memory://bucket/shards", samples=3, format=format).new == 0
     for name, content in contents(Path("shards")).items():
         assert files.cat_file(f"/bucket/shards/{name}") == content
     load("torch")
     remote, local = (raymap.torch.ResultDataset(place) for place in ("memory://bucket/shards", "shards"))
     for k in range(4):
         np.testing.assert_array_equal(remote[k]["distance"], local[k]["distance"])
-    assert not [path for path in Path().iterdir() if path.name.startswith(".shard")]
+    assert not [path for path in Path().iterdir() if path.name.startswith(".")]
     with pytest.raises(raymap.FileError, match="memory://bucket/none: there are no shards here"):
         raymap.torch.ResultDataset("memory://bucket/none")
     with pytest.raises(raymap.FileError, match="nothing://bucket"):
@@ -149,12 +222,10 @@ def test_a_mesh_behind_an_url_brings_its_buffers() -> None:
 def test_what_cannot_be_packed(fields: Path, meshes: Path) -> None:
     with pytest.raises(raymap.UsageError, match="no finished points here"):
         raymap.dataset.pack(fields, "shards", what="points")
-    with pytest.raises(raymap.UsageError, match="samples must be at least 1, not 0"):
+    with pytest.raises(raymap.UsageError, match="samples must be 1 or more, not 0"):
         raymap.dataset.pack(fields, "shards", samples=0)
-    Path("shards").mkdir()
-    Path("shards/index.json").write_text("[")
-    with pytest.raises(raymap.InputError, match="index.json: no index of shards; remove it"):
-        raymap.dataset.pack(fields, "shards")
+    with pytest.raises(raymap.UsageError, match="format must be 'tar' or 'zarr', not 'zip'"):
+        raymap.dataset.pack(fields, "shards", format="zip")
     with pytest.warns(raymap.RaymapWarning):
         raymap.dataset.generate([meshes / "ball.ply"], "out", resolution=9)
     with pytest.raises(raymap.UsageError, match="ball.ply and deep/tetrahedron.ply are results of different options"):
@@ -188,8 +259,10 @@ def test_a_dry_run_writes_nothing(meshes: Path) -> None:
 
 
 def test_the_command_packs(fields: Path) -> None:
-    ran = run_module("pack", "out", "-o", "shards", "--samples", 2)
+    load("zarr")
+    ran = run_module("pack", "out", "-o", "shards", "--samples", 2, "--format", "zarr", "--what", "field")
     assert ran.stdout == "4 results in 2 shards, 2 of them new\n", ran.stderr
+    assert len(raymap.dataset.pack("out", "shards", samples=2, format="zarr").meshes) == 4
 
 
 def test_pandas_reads_whole_numbers_as_such(meshes: Path) -> None:
@@ -203,35 +276,147 @@ def test_pandas_reads_whole_numbers_as_such(meshes: Path) -> None:
         assert rows["spacing"].dtype.kind == "f" and rows["watertight"].sum() == 3
 
 
-@pytest.mark.parametrize("packed", [False, True])
-def test_results_as_a_dataset(fields: Path, packed: bool) -> None:
-    torch = load("torch")
-    place = "shards" if packed else fields
-    if packed:
-        raymap.dataset.pack(fields, "shards", samples=3)
+@pytest.mark.parametrize("format", FORMATS)
+@pytest.mark.parametrize(
+    "change",
+    [
+        lambda index: [],
+        lambda index: {**index, "shards": [{}]},
+        lambda index: {**index, "shards": 3},
+        lambda index: {**index, "shards": [{**index["shards"][0], "identity": None}]},
+        lambda index: {**index, "samples": 0, "shards": [{**index["shards"][0], "samples": [], "meshes": []}]},
+        lambda index: {**index, "shards": [{**index["shards"][0], "bytes": 9, "files": {"x": 9}}]},
+    ],
+)
+def test_torn_indices(fields: Path, format: str, change: Callable[[Any], Any]) -> None:
+    load("zarr"), load("torch")
+    raymap.dataset.pack(fields, "shards", format=format)
+    path = Path("shards", "index.json" if format == "tar" else "zarr.json")
+    found = json.loads(path.read_bytes())
+    changed = change(found) if format == "tar" else {**found, "attributes": {"raymap": change(found["attributes"]["raymap"])}}
+    for content in (json.dumps(changed), path.read_text()[:-9]):
+        path.write_text(content)
+        for call in (lambda: raymap.dataset.pack(fields, "shards", format=format), lambda: raymap.torch.ResultDataset("shards")):
+            with pytest.raises(raymap.InputError, match=f"{path.name}: no index of shards; remove it, and pack again"):
+                call()
+
+
+def test_what_cannot_be_stacked(fields: Path, meshes: Path) -> None:
+    load("zarr")
+    raymap.dataset.pack(fields, "tars")
+    with pytest.raises(raymap.UsageError, match="tars holds shards of the format tar; choose another folder, or remove it"):
+        raymap.dataset.pack(fields, "tars", format="zarr")
+    raymap.dataset.pack(fields, "arrays", format="zarr")
+    with pytest.raises(raymap.UsageError, match="arrays holds shards of the format zarr"):
+        raymap.dataset.pack(fields, "arrays")
+    with pytest.raises(raymap.UsageError, match="arrays holds shards of other arrays, or of 1000 samples each, not 2; choose"):
+        raymap.dataset.pack(fields, "arrays", samples=2, format="zarr")
+    ball = raymap.load_mesh(meshes / "ball.ply")
+    raymap.Mesh(ball.vertices * (1, 1, 0.5), ball.faces).save("flat.ply")
+    generate([meshes / "ball.ply", "flat.ply"], "other", resolution=8)
+    text = r"ball.ply has distance \[8, 8, 8\], flat.ply has \[8, 8, 5\]: Zarr arrays stack results of one shape; make them"
+    with pytest.raises(raymap.UsageError, match=text):
+        raymap.dataset.pack("other", "stacked", format="zarr")
+    assert not Path("stacked").exists()
+
+
+def test_results_that_changed_their_arrays_cannot_be_stacked(fields: Path) -> None:
+    load("zarr")
+    path = Path("out/small.ply.npz")
+    arrays = dict(np.load(path))
+    for change, text in (
+        ({"spacing": np.float32(1)}, "spacing .. <f8, small.ply has spacing .. <f4"),
+        ({"more": np.zeros(3)}, "no more, small.ply has more .3. <f8"),
+        ({"more": np.array(["a"])}, "small.ply.npz: a Zarr array cannot hold more, <U1 of the shape .1,.; leave it out"),
+    ):
+        np.savez(path, **{**arrays, **change})
+        marker = json.loads(Path("out/small.ply.json").read_bytes())
+        Path("out/small.ply.json").write_text(json.dumps({**marker, "bytes": path.stat().st_size}))
+        with pytest.raises(raymap.UsageError, match=text):
+            raymap.dataset.pack(fields, "shards", format="zarr")
+
+
+@pytest.mark.parametrize("format", [None, *FORMATS])
+def test_results_as_a_dataset(fields: Path, format: str | None) -> None:
+    torch, _ = load("torch"), load("zarr")
+    place = fields if format is None else "shards"
+    if format is not None:
+        raymap.dataset.pack(fields, "shards", samples=3, format=format)
     data = raymap.torch.ResultDataset(place, arrays="distance")
     assert len(data) == 4 and [data[k]["name"] for k in range(4)] == NAMES
     batch = next(iter(torch.utils.data.DataLoader(data, batch_size=4)))
     assert batch["distance"].shape == (4, 8, 8, 8) and batch["distance"].dtype == torch.float32
+    whole = pickle.loads(pickle.dumps(raymap.torch.ResultDataset(place)))
     for k, name in enumerate(NAMES):
         np.testing.assert_array_equal(batch["distance"][k], raymap.load_field(f"out/{name}.npz").distance)
-    assert {"distance", "origin", "spacing", "name"} <= raymap.torch.ResultDataset(place)[0].keys()
+        stored, item = np.load(f"out/{name}.npz"), whole[k]
+        assert item.keys() == {"name", *stored}
+        for array in stored:
+            np.testing.assert_array_equal(item[array], stored[array])
     with pytest.raises(raymap.UsageError, match="the result of ball.ply has no array 'winding'"):
         raymap.torch.ResultDataset(place, arrays=("winding",))[0]
-    torn = Path("shards/shard-000000.tar" if packed else "out/ball.ply.npz")
-    content = bytearray(torn.read_bytes())
-    content[1500] ^= 255
-    torn.write_bytes(content)
-    with pytest.raises(raymap.InputError, match="the result of ball.ply is torn"):
-        data[0]
-    torn.unlink()
-    with pytest.raises(raymap.FileError, match="no such file"):
+
+
+@pytest.mark.parametrize("package, shown", [("numcodecs", "numcodecs"), ("google_crc32c", "google-crc32c")])
+def test_zarr_arrays_without_a_package(fields: Path, monkeypatch: pytest.MonkeyPatch, package: str, shown: str) -> None:
+    load("zarr"), load("torch")
+    raymap.dataset.pack(fields, "shards", format="zarr")
+    data = raymap.torch.ResultDataset("shards")
+    monkeypatch.setitem(sys.modules, package, None)
+    with pytest.raises(raymap.UsageError, match=f"this needs the package {shown}: pip install 'raymap.zarr.'"):
         data[0]
 
 
-def test_a_stream_has_every_result_once_in_one_order(fields: Path) -> None:
-    torch = load("torch")
-    raymap.dataset.pack(fields, "shards", samples=2)
+@pytest.mark.parametrize(
+    "format, file",
+    [
+        (None, "out/open.OBJ.npz"),
+        ("tar", "shards/shard-000000.tar"),
+        ("zarr", "shards/distance/c/0/0/0/0"),
+        ("zarr", "shards/spacing/c/0"),
+    ],
+)
+def test_shards_torn_by_force(fields: Path, format: str | None, file: str) -> None:
+    load("torch"), load("zarr")
+    place = fields if format is None else "shards"
+    if format is not None:
+        raymap.dataset.pack(fields, "shards", samples=3, format=format)
+    path = Path(file)
+    content = path.read_bytes()
+    samples = np.load("out/open.OBJ.npz")["distance"].tobytes("F")
+    end = len(content) - 70 if format == "zarr" else content.index(samples)
+    flipped = bytearray(content)
+    flipped[end] ^= 255
+    readers = [raymap.torch.ResultDataset(place) for _ in range(4)]
+    for bad, reader in zip((bytes(flipped), content[: end + 1], b""), readers):
+        path.write_bytes(bad)
+        with pytest.raises(raymap.InputError, match=f"{file}: the result of open.OBJ is torn .*write it again"):
+            reader[2]
+    path.unlink()
+    with pytest.raises(raymap.FileError, match=f"{file}: no such file, so there is no result of open.OBJ; write it again"):
+        readers[3][2]
+
+
+def test_a_tar_that_lacks_a_member(fields: Path) -> None:
+    load("torch")
+    raymap.dataset.pack(fields, "shards", samples=4)
+    with tarfile.open("shards/shard-000000.tar") as archive, tarfile.open("other.tar", "w", format=tarfile.PAX_FORMAT) as other:
+        for member in archive.getmembers():
+            if not member.name.startswith("open"):
+                other.addfile(member, archive.extractfile(member))
+    Path("other.tar").replace("shards/shard-000000.tar")
+    data = raymap.torch.ResultDataset("shards")
+    assert data[1]["name"] == "deep/tetrahedron.ply"
+    with pytest.raises(raymap.InputError, match="result of open.OBJ is torn .open_OBJ.npz is not where index.json says"):
+        data[2]
+    with pytest.raises(raymap.InputError, match="result of small.ply is torn .small_ply.npz is not where"):
+        data[3]
+
+
+@pytest.mark.parametrize("format", FORMATS)
+def test_a_stream_has_every_result_once_in_one_order(fields: Path, format: str) -> None:
+    torch, _ = load("torch"), load("zarr")
+    raymap.dataset.pack(fields, "shards", samples=2, format=format)
 
     def names(workers: int = 0, epoch: int = 0, **options) -> list[str]:
         stream = raymap.torch.ResultStream("shards", "distance", **options)

@@ -14,12 +14,12 @@ from .._errors import FileError, UsageError, warn
 from .._progress import reporting
 from .._whole_file import file_errors, only_writer, remove_leftovers
 from .jobs import Options, PathLike, make_jobs
-from .packing import Packed, pack
+from .packing import Packed, PackFormat, pack
 from .pages import page_paths, parquet_path, write_pages
 from .run import run_jobs
 from .work import FORMATS, Job, Outcome, left, other_results, planned
 
-__all__ = ["FORMATS", "Format", "Options", "Packed", "Summary", "What", "generate", "pack"]
+__all__ = ["FORMATS", "Format", "Options", "PackFormat", "Packed", "Summary", "What", "generate", "pack"]
 
 What: TypeAlias = Literal["field", "points"]
 Format: TypeAlias = Literal["npz", "npy", "nrrd", "vti", "vdb"]
@@ -102,7 +102,9 @@ def generate(
         **options: Options of ``raymap.generate``, or of ``raymap.sample_points`` with the number of points,
             ``n``. Some have other defaults: ``device="cpu"``, and for each mesh ``threads=1`` and
             ``memory_limit=4 << 30``, which counts all that its process takes for it. ``bounds`` may be a dict with a
-            box for each mesh, by its path below the folder. The ``centre`` and ``scale`` of ``normalize`` are in the
+            box for each mesh, by its path below the folder. Fields also take ``pyramid``, the number of coarser levels,
+            each of half the resolution, as ``raymap.generate_pyramid`` makes them; a .npz holds all of them, and
+            ``raymap.load_pyramid`` reads it. The ``centre`` and ``scale`` of ``normalize`` are in the
             table, the markers, and in each .npz.
 
     Raises:

@@ -37,8 +37,10 @@ from .._errors import (
     code_of,
 )
 from .._field import Field, save_as
+from .._frames import Frame, frame_arrays
 from .._generate import generate
 from .._mesh import Mesh, load_mesh, tetrahedron
+from .._pyramid import coarser_arrays, generate_pyramid
 from .._raymap import write_whole
 from .._repair import info
 from .._samples import sample_points, save_as_npz
@@ -153,14 +155,19 @@ def _make(job: dict[str, Any]) -> tuple[dict[str, Any], Callable[[], None]]:
 
 
 def _make_field(mesh: Mesh, job: dict[str, Any]) -> tuple[Callable[[], None], dict[str, Any]]:
-    field = generate(mesh, **job["options"], threads=job["threads"], memory_limit=job["memory_limit"])
+    options = {**job["options"], "threads": job["threads"], "memory_limit": job["memory_limit"]}
+    levels = generate_pyramid(mesh, levels=options.pop("pyramid") + 1, **options)
+    field = levels[0]
     picture = _picture(field, job["threads"])
     page = None
     if job["page"] is not None:
         page = field.to_html(title=readable(os.path.basename(job["mesh"])), mesh=mesh, device="cpu", threads=job["threads"])
 
+    # Also that of a mesh which need not move: all files of a data set have the same arrays.
+    placement = frame_arrays(Frame(field.centre, field.scale)) if job["options"]["normalize"] else {}
+
     def write() -> None:
-        save_as(field, job["result"], "." + job["format"])
+        save_as(field, job["result"], "." + job["format"], {**coarser_arrays(levels), **placement})
         write_whole(job["thumbnail"], picture)
         if page is not None:
             write_whole(job["page"], page.encode())

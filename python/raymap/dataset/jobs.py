@@ -13,7 +13,7 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from .. import _raymap, recipes
-from .._arguments import to_box
+from .._arguments import to_box, to_whole
 from .._errors import Cancelled, FileError, MemoryLimitError, UsageError
 from .._frames import to_normalization
 from .._generate import FieldOptions, generate
@@ -27,7 +27,10 @@ PathLike: TypeAlias = str | os.PathLike[str]
 
 
 class Options(FieldOptions, total=False):
-    """Keyword arguments of ``raymap.generate``, ``raymap.sample_points`` and ``raymap.recipes.save``, which document them."""
+    """Keyword arguments of ``raymap.generate``, ``raymap.sample_points`` and ``raymap.recipes.save``, which document them.
+
+    ``raymap.dataset.generate`` documents ``pyramid``.
+    """
 
     n: int
     near: float
@@ -36,6 +39,7 @@ class Options(FieldOptions, total=False):
     region: Region
     seed: int
     recipe: RecipeName | None
+    pyramid: int
 
 
 def make_jobs(
@@ -65,7 +69,7 @@ def make_jobs(
         raise UsageError(f"memory_limit must be above 0 bytes, not {memory_limit}")
     meshes = _meshes(given, out)
     boxes = _boxes(options, meshes)
-    result_options = _field_options(options) if what == "field" else _point_options(options)
+    result_options = _field_options(options, format) if what == "field" else _point_options(options)
     if recipe := result_options.get("recipe"):
         format = recipe_of(recipe).format
     return [
@@ -140,11 +144,14 @@ def _meshes_below(folder: Path, out: Path) -> dict[str, str]:
 
 
 _APART = {"threads", "memory_limit", "progress"}  # Results do not depend on them.
+_REALS = {"voxel_size", "padding", "threshold", "thickness", "band", "truncation", "near", "surface"}
+_NOT_HERE = {"sparse"}  # No format of data sets is one of narrow bands.
 
 
-def _field_options(options: Options) -> dict[str, Any]:
+def _field_options(options: Options, format: str) -> dict[str, Any]:
     """Returns all options on which fields depend, the defaults included, in JSON's types. Checks them."""
-    given: FieldOptions = {"device": "cpu", **options}  # type: ignore[typeddict-unknown-key]
+    others = {name: value for name, value in options.items() if name != "pyramid"}
+    given: FieldOptions = {"device": "cpu", **others}  # type: ignore[typeddict-item]
     result = _with_defaults(given, generate, "fields")
     _check(given)
     arrays = result["arrays"]
@@ -155,6 +162,9 @@ def _field_options(options: Options) -> dict[str, Any]:
         if result[name] is not None:
             result[name] = np.asarray(result[name]).tolist()
     result["normalize"] = to_normalization(result["normalize"]) or False
+    result["pyramid"] = to_whole("pyramid", options.get("pyramid", 0), most=30)
+    if result["pyramid"] and format != "npz":
+        raise UsageError(f"pyramid needs files of several grids, so the format npz, not {format!r}")
     return result
 
 
@@ -176,13 +186,20 @@ def _point_options(options: Options) -> dict[str, Any]:
 
 def _with_defaults(options: Mapping[str, object], function: Callable[..., Any], what: str) -> dict[str, Any]:
     """Returns the keyword arguments of a function on which its result depends."""
-    known = {k: p for k, p in inspect.signature(function).parameters.items() if p.kind is p.KEYWORD_ONLY or k in ("n", "recipe")}
+    parameters = {k: p for k, p in inspect.signature(function).parameters.items() if k not in _NOT_HERE}
+    known = {k: p for k, p in parameters.items() if p.kind is p.KEYWORD_ONLY or k in ("n", "recipe")}
     for name in sorted(options.keys() - known.keys() - _APART):
         if name in Options.__annotations__:
             raise UsageError(f"{name} is no option of {what}")
         raise TypeError(f"generate() got an unexpected keyword argument {name!r}")
     values = {name: options.get(name, known[name].default) for name in known.keys() - _APART - {"recipe"}}
-    return {name: value.item() if isinstance(value, np.generic) else value for name, value in values.items()}
+    return {name: _plain(value, name in _REALS) for name, value in values.items()}
+
+
+def _plain(value: Any, is_real: bool) -> Any:
+    """Returns a number as one of Python; 4 as 4.0 where both say the same."""
+    plain = value.item() if isinstance(value, np.generic) else value
+    return float(plain) if is_real and isinstance(plain, int) else plain
 
 
 def _check(options: FieldOptions) -> None:

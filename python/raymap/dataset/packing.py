@@ -1,23 +1,23 @@
-"""Data sets in few large files: tars as WebDataset reads them."""
+"""Data sets in few large files."""
 
 from __future__ import annotations
 
-import hashlib
-import io
-import json
 import os
-import re
-import tarfile
+from collections.abc import Callable
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, Literal, NamedTuple, Protocol, TypeAlias, get_args
 
+from .._arguments import to_whole
 from .._errors import InputError, UsageError
-from .._whole_file import only_writer
-from .storage import Storage, file_for, storage_of
-from .work import KINDS, read_marker
+from .._whole_file import only_writer, remove_leftovers
+from . import stacks, tars
+from .results import Result, finished_results
+from .stacks import Stacks
+from .storage import LocalFolder, Storage, storage_of
+from .tars import Tars
 
-#: Name of the file that says what is in the shards.
-INDEX = "index.json"
+#: Formats of shards.
+PackFormat: TypeAlias = Literal["tar", "zarr"]
 
 
 class Packed(NamedTuple):
@@ -31,164 +31,155 @@ class Packed(NamedTuple):
     """Names of the meshes whose results are in the shards, in their order."""
 
 
-class Result(NamedTuple):
-    """A finished result of a data set."""
+class Shards(Protocol):
+    """Shards of one format: files with some results each, and an index of all."""
 
-    name: str
-    path: Path
-    marker: dict[str, Any]
+    def prepare(self, found: dict[str, Any] | None) -> None:
+        """Writes what is there before the first shard. Refuses an earlier index of shards that cannot stay."""
+        ...
+
+    def identity(self, results: list[Result]) -> str:
+        """Returns the hash of all that a shard depends on."""
+        ...
+
+    def write(self, number: int, results: list[Result]) -> dict[str, Any]:
+        """Writes a shard. Returns its entry of the index."""
+        ...
+
+    def files(self, shard: dict[str, Any]) -> dict[str, int]:
+        """Returns the files of a shard and their sizes."""
+        ...
+
+    def index(self, shards: list[dict[str, Any]], is_complete: bool) -> dict[str, Any]:
+        """Returns the index of shards."""
+        ...
+
+    def write_index(self, index: dict[str, Any]) -> None:
+        """Writes the index."""
+        ...
 
 
-def pack(folder: str | os.PathLike[str], out: str | os.PathLike[str], *, what: str = "field", samples: int = 1000) -> Packed:
-    """Packs the results of ``raymap.dataset.generate`` into tars of many samples, as WebDataset reads them.
+def pack(
+    folder: str | os.PathLike[str],
+    out: str | os.PathLike[str],
+    *,
+    what: str = "field",
+    samples: int = 1000,
+    format: PackFormat = "tar",
+) -> Packed:
+    """Packs the results of ``raymap.dataset.generate`` into shards of many samples: tars as WebDataset reads them, or Zarr.
 
-    Shard ``shard-000000.tar`` has the first results in the order of their names: for each ``KEY.npz`` (or its format)
+    A tar, such as ``shard-000000.tar``, has results in the order of their names: for each ``KEY.npz`` (or its format)
     and its marker as ``KEY.json``. The key is the name of the mesh; what is no letter, digit, ``-`` or ``_`` in its last
     part is ``_``. The file ``index.json`` says where each sample lies, so ``raymap.torch.ResultDataset`` reads any of
     them at once.
 
+    Zarr is a Zarr 3 group. Each array of the results, such as ``distance``, ``spacing`` or ``centre``, is one array there,
+    with the mesh as its first axis: (meshes, nx, ny, nz). So all results must have arrays of the same shapes, as fields
+    with ``cube=True`` or ``shape``. A chunk is one mesh; arrays of at most 256 bytes a mesh have a chunk for each shard.
+    The attribute ``raymap`` holds the options, the version of raymap, the sign inside, the names of the meshes of each
+    shard, and by ``complete`` whether all shards are there. What is not yet there reads as NaN, or 0 for whole numbers.
+
     It may be stopped and run again: a second run writes the shards that are missing or have changed. The shards are the
-    same, bit for bit, whenever they are written. Quarantined meshes are left out.
+    same, bit for bit, whenever they are written and for any number of threads. A file appears whole or not at all.
+    Quarantined meshes are left out.
 
     Args:
         folder: Folder of the results.
         out: Folder of the shards, or its URL as fsspec knows it, such as ``s3://bucket/fields``.
         what: What is packed: ``"field"`` or ``"points"``.
         samples: Number of results in a shard.
+        format: Format of the shards: ``"tar"`` or ``"zarr"``, which needs the package zarr.
 
     Raises:
-        UsageError: There is no such result, results are of several options, or two have one key.
+        UsageError: There is no such result, results are of several options, two have one key, their shapes differ, or
+            ``out`` holds shards of another format, or Zarr arrays of other shapes.
         InputError: A result has changed since it was finished.
         FileError: A file cannot be read or written, or a run writes into ``folder``.
 
-    >>> summary = raymap.dataset.generate(["ball.ply", "tetrahedron.ply"], "fields", resolution=16)
+    >>> summary = raymap.dataset.generate(["ball.ply", "tetrahedron.ply"], "fields", resolution=16, cube=True)
     >>> raymap.dataset.pack("fields", "shards", samples=1).new
     2
     >>> raymap.dataset.pack("fields", "shards", samples=1).new
     0
+    >>> raymap.dataset.pack("fields", "fields.zarr", format="zarr").shards
+    1
+    >>> import zarr
+    >>> zarr.open_array("fields.zarr/distance", mode="r").shape
+    (2, 16, 16, 16)
     """
-    if samples < 1:
-        raise UsageError(f"samples must be at least 1, not {samples}")
+    samples = to_whole("samples", samples, least=1)
+    if format not in get_args(PackFormat):
+        raise UsageError(f"format must be 'tar' or 'zarr', not {format!r}")
     storage = storage_of(out)
     with only_writer(Path(folder)):
         results = finished_results(folder, what)
-        keys = _keys(results)
-        found = read_index(storage)
-        old = [] if found is None else found["shards"]
-        shards: list[dict[str, Any]] = []
-        new = 0
-        for first in range(0, len(results), samples):
-            part = slice(first, first + samples)
-            number = len(shards)
-            identity = _identity(results[part], keys[part])
-            kept = old[number] if number < len(old) and old[number]["identity"] == identity else None
-            if kept is None or storage.size(kept["name"]) != kept["bytes"]:
-                kept = _write_shard(storage, f"shard-{number:06d}.tar", results[part], keys[part], identity)
-                new += 1
-                _write_index(storage, [*shards, kept, *old[number + 1 :]], what)
-            shards.append(kept)
-        if new or shards != old:
-            _write_index(storage, shards, what)
-        for shard in old[len(shards) :]:
-            storage.remove(shard["name"])
-    return Packed(len(shards), new, [result.name for result in results])
+        shards = Tars(storage, results, what) if format == "tar" else Stacks(storage, results, what, samples)
+        found = _earlier(storage, format)
+        shards.prepare(found)
+        if isinstance(storage, LocalFolder):
+            remove_leftovers(storage.url)
+        parts = [results[first : first + samples] for first in range(0, len(results), samples)]
+        entries, new = _write_shards(storage, shards, parts, found)
+    return Packed(len(entries), new, [result.name for result in results])
 
 
-def finished_results(folder: str | os.PathLike[str], what: str) -> list[Result]:
-    """Returns the finished results of a folder by their names.
+def _write_shards(
+    storage: Storage, shards: Shards, parts: list[list[Result]], found: dict[str, Any] | None
+) -> tuple[list[dict[str, Any]], int]:
+    """Writes the shards that are not there, and removes those of an earlier index that are left over.
+
+    Returns the entries of the index, and the number of new ones.
+    """
+    old = [] if found is None else found["shards"]
+    entries: list[dict[str, Any]] = []
+    new = 0
+    for number, part in enumerate(parts):
+        identity = shards.identity(part)
+        entry = old[number] if number < len(old) and old[number]["identity"] == identity else None
+        if entry is None or any(storage.size(name) != size for name, size in shards.files(entry).items()):
+            entry = {"identity": identity, **shards.write(number, part)}
+            new += 1
+            shards.write_index(shards.index([*entries, entry, *old[number + 1 :]], False))
+        entries.append(entry)
+    if new or shards.index(entries, True) != found:
+        shards.write_index(shards.index(entries, True))
+    for shard in old[len(entries) :]:
+        for name in shards.files(shard):
+            storage.remove(name)
+    return entries, new
+
+
+def _earlier(storage: Storage, format: PackFormat) -> dict[str, Any] | None:
+    """Returns the index of shards that are there.
 
     Raises:
-        UsageError: There is none, or they are of several options.
-        InputError: One is not as it was when it was finished.
+        UsageError: They have another format.
+        InputError: It is torn, or of something else.
     """
-    if what not in KINDS:
-        raise UsageError(f"what must be 'field' or 'points', not {what!r}")
-    results: list[Result] = []
-    ending = f"{KINDS[what]}.json"
-    for place, folders, names in os.walk(folder):
-        if Path(place) == Path(folder):
-            folders[:] = [name for name in folders if name != "quarantine"]
-        for name in names:
-            marker = read_marker(Path(place, name)) if name.endswith(ending) else None
-            if marker is not None and marker["what"] == what and marker["state"] == "done":
-                path = Path(place, name.removesuffix(".json") + "." + marker["format"])
-                results.append(Result(str(Path(place, name.removesuffix(ending)).relative_to(folder)), path, marker))
-    if not results:
-        raise UsageError(f"{folder}: no finished {what} here; raymap.dataset.generate makes them")
-    results.sort()
-    _check_same(results)
-    return results
+    found = read_index(storage)
+    if found is not None and found[0] != format:
+        raise UsageError(f"{storage.url} holds shards of the format {found[0]}; choose another folder, or remove it")
+    return None if found is None else found[1]
 
 
-def _check_same(results: list[Result]) -> None:
-    def kind(marker: dict[str, Any]) -> Any:
-        return {**marker["options"], "bounds": None}, marker["format"], marker["raymap"]
-
-    for result in results:
-        if kind(result.marker) != kind(results[0].marker):
-            names = f"{results[0].name} and {result.name}"
-            raise UsageError(f"{names} are results of different options; run the data set again, or remove the old ones")
-        if not result.path.exists() or result.path.stat().st_size != result.marker["bytes"]:
-            raise InputError(f"{result.path}: not as it was when it was finished; run the data set again")
+_INDICES: dict[PackFormat, tuple[str, Callable[[bytes], dict[str, Any]]]] = {
+    "tar": (tars.INDEX, tars.parse_index),
+    "zarr": (stacks.INDEX, stacks.parse_index),
+}
 
 
-def _keys(results: list[Result]) -> list[str]:
-    """Returns names without the dots at which WebDataset ends a name."""
-    names: dict[str, str] = {}
-    for result in results:
-        place, name = os.path.split(result.name)
-        key = os.path.join(place, re.sub(r"[^\w-]", "_", name, flags=re.ASCII))
-        if key in names:
-            raise UsageError(f"{names[key]} and {result.name} would both be {key} in a shard; rename one of the meshes")
-        names[key] = result.name
-    return list(names)
-
-
-def _identity(results: list[Result], keys: list[str]) -> str:
-    content = [[key, result.name, result.marker["key"]] for key, result in zip(keys, results, strict=True)]
-    return hashlib.sha256(json.dumps(content).encode()).hexdigest()
-
-
-def _write_shard(storage: Storage, name: str, results: list[Result], keys: list[str], identity: str) -> dict[str, Any]:
-    """Writes a shard. Returns its entry of the index."""
-    samples: list[dict[str, Any]] = []
-    with file_for(storage, name) as path:
-        with tarfile.open(path, "w", format=tarfile.PAX_FORMAT) as archive:
-            for result, key in zip(results, keys, strict=True):
-                content = result.path.read_bytes()
-                start = _add(archive, f"{key}.{result.marker['format']}", content)
-                _add(archive, f"{key}.json", json.dumps(result.marker, sort_keys=True).encode())
-                samples.append({"name": result.name, "key": key, "start": start, "bytes": len(content)})
-        size = path.stat().st_size
-    return {"name": name, "identity": identity, "bytes": size, "format": results[0].marker["format"], "samples": samples}
-
-
-def _add(archive: tarfile.TarFile, name: str, content: bytes) -> int:
-    """Adds a file without a time or an owner. Returns where its content begins."""
-    info = tarfile.TarInfo(name)
-    info.size = len(content)
-    archive.addfile(info, io.BytesIO(content))
-    return archive.offset - -(-len(content) // tarfile.BLOCKSIZE) * tarfile.BLOCKSIZE
-
-
-def read_index(storage: Storage) -> dict[str, Any] | None:
-    """Returns what a folder of shards says of itself; None if it is none.
+def read_index(storage: Storage) -> tuple[PackFormat, dict[str, Any]] | None:
+    """Returns the format of a folder of shards, and their index; None if there is none.
 
     Raises:
         InputError: It is torn, or of something else.
     """
-    content = storage.read(INDEX)
-    if content is None:
-        return None
-    try:
-        index = json.loads(content)
-    except ValueError:
-        index = None
-    if not isinstance(index, dict) or "shards" not in index:
-        raise InputError(f"{storage.url}/{INDEX}: no index of shards; remove it, and pack again")
-    return index
-
-
-def _write_index(storage: Storage, shards: list[dict[str, Any]], what: str) -> None:
-    text = json.dumps({"what": what, "shards": shards}, indent=1, sort_keys=True)
-    storage.write(INDEX, f"{text}\n".encode())
+    for format, (name, parse) in _INDICES.items():
+        content = storage.read(name)
+        if content is not None:
+            try:
+                return format, parse(content)
+            except (ValueError, LookupError, TypeError, AttributeError):
+                raise InputError(f"{storage.url}/{name}: no index of shards; remove it, and pack again") from None
+    return None

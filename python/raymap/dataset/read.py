@@ -2,18 +2,31 @@
 
 from __future__ import annotations
 
-import io
 import os
-import zipfile
 from collections.abc import Iterable
-from typing import Any
+from typing import Any, Protocol
 
-import numpy as np
-import numpy.typing as npt
-
-from .._errors import FileError, InputError, UsageError
-from .packing import finished_results, read_index
+from .._errors import FileError, UsageError
+from .packing import read_index
+from .results import Arrays, FolderReader
+from .stacks import StackReader
 from .storage import LocalFolder, storage_of
+from .tars import TarReader
+
+
+class _Reader(Protocol):
+    """Results by their numbers."""
+
+    names: list[str]
+    """Names of the meshes."""
+    groups: list[int]
+    """Number of results in each file that readers should read in one go."""
+    formats: set[str]
+    """Formats of the results."""
+
+    def read(self, number: int, names: Iterable[str] | None) -> Arrays:
+        """Returns arrays of a result; those of these names, or all."""
+        ...
 
 
 class Results:
@@ -31,45 +44,29 @@ class Results:
 
     def __init__(self, place: str | os.PathLike[str], arrays: Iterable[str] | None = None, what: str = "field") -> None:
         self._arrays = None if arrays is None else [arrays] if isinstance(arrays, str) else list(arrays)
-        self._storage = storage_of(place)
-        index = read_index(self._storage)
-        self.groups: list[int] = []
+        self._reader = _reader_of(place, what)
+        if self._reader.formats != {"npz"}:
+            raise UsageError(f"{place}: results are .{self._reader.formats.pop()}, and only .npz can be read here")
+
+    @property
+    def groups(self) -> list[int]:
         """Number of results in each file that readers should read in one go."""
-        self._entries: list[tuple[str, str, int, int | None]] = []  # Name, file, first byte, number of bytes
-        formats = set()
-        if index is not None:
-            for shard in index["shards"]:
-                self.groups.append(len(shard["samples"]))
-                formats.add(shard["format"])
-                self._entries += [(s["name"], shard["name"], s["start"], s["bytes"]) for s in shard["samples"]]
-        elif isinstance(self._storage, LocalFolder):
-            for result in finished_results(self._storage.url, what):
-                self.groups.append(1)
-                formats.add(result.marker["format"])
-                file = os.path.relpath(result.path, self._storage.url)
-                self._entries.append((result.name, file, 0, None))
-        else:
-            raise FileError(f"{self._storage.url}: there are no shards here; raymap.dataset.pack writes them")
-        if formats != {"npz"}:
-            raise UsageError(f"{self._storage.url}: results are .{formats.pop()}, and only .npz can be read here")
+        return self._reader.groups
 
     def __len__(self) -> int:
-        return len(self._entries)
+        return len(self._reader.names)
 
     def __getitem__(self, index: int) -> dict[str, Any]:
         """Returns the name of a mesh and the arrays of its result."""
-        name, file, start, count = self._entries[index]
-        content = self._storage.read(file, start, count)
-        if content is None:
-            raise FileError(f"{self._storage.url}/{file}: no such file")
-        try:
-            with np.load(io.BytesIO(content), allow_pickle=False) as stored:
-                names = stored.files if self._arrays is None else self._arrays
-                if missing := [each for each in names if each not in stored.files]:
-                    raise UsageError(f"{self._storage.url}/{file}: the result of {name} has no array {missing[0]!r}")
-                found: dict[str, npt.NDArray[Any]] = {each: stored[each] for each in names}
-        except UsageError:
-            raise
-        except (ValueError, OSError, EOFError, zipfile.BadZipFile) as error:
-            raise InputError(f"{self._storage.url}/{file}: the result of {name} is torn ({error}); write it again") from None
-        return {"name": name, **found}
+        return {"name": self._reader.names[index], **self._reader.read(index, self._arrays)}
+
+
+def _reader_of(place: str | os.PathLike[str], what: str) -> _Reader:
+    storage = storage_of(place)
+    found = read_index(storage)
+    if found is not None:
+        format, index = found
+        return TarReader(storage, index) if format == "tar" else StackReader(storage, index)
+    if isinstance(storage, LocalFolder):
+        return FolderReader(storage, what)
+    raise FileError(f"{storage.url}: there are no shards here; raymap.dataset.pack writes them")

@@ -69,6 +69,8 @@ class LocalFolder:
         path.replace(os.path.join(self.url, name))
 
     def write(self, name: str, content: bytes) -> None:
+        with file_errors():
+            Path(self.url, name).parent.mkdir(parents=True, exist_ok=True)
         write_whole(os.path.join(self.url, name), content)
 
     def remove(self, name: str) -> None:
@@ -118,12 +120,12 @@ class RemoteFolder:
 
     def put(self, path: Path, name: str) -> None:
         with _remote_errors(f"{self.url}/{name}"):
-            self._files.makedirs(self._path, exist_ok=True)
+            self._files.makedirs(self._name(name).rsplit("/", 1)[0], exist_ok=True)
             self._files.put_file(str(path), self._name(name))
 
     def write(self, name: str, content: bytes) -> None:
         with _remote_errors(f"{self.url}/{name}"):
-            self._files.makedirs(self._path, exist_ok=True)
+            self._files.makedirs(self._name(name).rsplit("/", 1)[0], exist_ok=True)
             self._files.pipe_file(self._name(name), content)
 
     def remove(self, name: str) -> None:
@@ -199,9 +201,9 @@ def storage_of(place: str | os.PathLike[str]) -> Storage:
 @contextmanager
 def file_for(storage: Storage, name: str) -> Iterator[Path]:
     """Yields the path of a file to write. It becomes a file of the folder if nothing is raised."""
-    folder = Path(storage.url) if isinstance(storage, LocalFolder) else Path.cwd()
+    target = Path(storage.url, name) if isinstance(storage, LocalFolder) else Path.cwd() / Path(name).name
     with file_errors():
-        folder.mkdir(parents=True, exist_ok=True)
-        with folder_beside(folder / name) as beside:
+        target.parent.mkdir(parents=True, exist_ok=True)
+        with folder_beside(target) as beside:
             yield beside / "whole"
             storage.put(beside / "whole", name)

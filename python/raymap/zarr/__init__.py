@@ -21,8 +21,9 @@ from .._lattice import Machine, Source, make_lattice, make_source, prepare, this
 from .._progress import Progress, pace_text, reporting
 from .._records import Orientation
 from .._whole_file import only_writer, remove_leftovers
+from .codecs import zarr_package
 from .shards import make_shard, shard_bytes, try_shard
-from .store import UNITS, Finished, Level, Store, begin, finish, is_finished, make_store, zarr_package
+from .store import UNITS, Finished, Level, Store, begin, finish, is_finished, make_store
 
 __all__ = ["UNITS", "Summary", "generate"]
 

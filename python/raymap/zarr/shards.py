@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import threading
 
 import numpy as np
@@ -10,7 +11,8 @@ import numpy.typing as npt
 from .._lattice import Machine, Source, box_bytes, distances, prepare, this_machine
 from .._raymap import write_whole
 from .._whole_file import file_errors
-from .store import NO_CHUNK, Level, Store, check_worker, compressed, encoded_index, zarr_package
+from .codecs import ShardWriter, compressed, zarr_package
+from .store import Level, Store, check_worker
 
 
 def shard_bytes(store: Store) -> int:
@@ -62,16 +64,14 @@ def _encoded(store: Store, level: Level, values: npt.NDArray[np.float32]) -> byt
     zarr would do the same with threads of its own, of which this process may not use as many.
     """
     count, side = store.shards // store.chunks, store.chunks
-    index = np.full((count, count, count, 2), NO_CHUNK, "<u8")
-    parts: list[bytes] = []
-    end = 0
+    content = io.BytesIO()
+    shard = ShardWriter(content, (count,) * 3)
     for place in np.ndindex(count, count, count):
         chunk = values.T[tuple(slice(side * k, side * (k + 1)) for k in place)]
         if not (chunk == level.outside).all():  # One beyond the lattice has no samples.
-            parts.append(compressed(_filled(chunk, side, level.outside)))
-            index[place] = end, len(parts[-1])
-            end += len(parts[-1])
-    return b"".join([*parts, encoded_index(index)])
+            shard.add(place, compressed(_filled(chunk, side, level.outside)))
+    shard.finish()
+    return content.getvalue()
 
 
 def _filled(chunk: npt.NDArray[np.float32], side: int, fill: float) -> npt.NDArray[np.float32]:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import hashlib
-import importlib
 import json
 import math
 import os
@@ -14,12 +13,12 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
 from .._errors import FileError, UsageError
 from .._lattice import Lattice, Source, Whole3
 from .._raymap import write_whole
 from .._whole_file import file_errors
+from .codecs import CHECKSUM_BYTES, NO_CHUNK, compressor, zarr_package
 
 #: Units of length of OME-Zarr.
 UNITS = (
@@ -28,14 +27,9 @@ UNITS = (
     "zettameter"
 ).split()
 
-#: Offset and size, in an index, of a chunk that only has the fill value.
-NO_CHUNK = 2**64 - 1
-
 _MOST_SHARDS = 1 << 22
 _LOCK = ".lock"
 _LOG = ".outside"
-_CHECKSUM_BYTES = 4  # Of an index
-_COMPRESSOR, _LEVEL = "zstd", 3
 
 
 class Level(NamedTuple):
@@ -158,17 +152,6 @@ def make_store(
     return store
 
 
-def zarr_package() -> Any:
-    """Returns the package zarr."""
-    try:
-        zarr: Any = importlib.import_module("zarr")
-    except ImportError:
-        zarr = None
-    if zarr is None or int(zarr.__version__.split(".")[0]) < 3:
-        raise UsageError("this needs the package zarr 3 or later: pip install 'raymap[zarr]'")
-    return zarr
-
-
 def _create_array(store: Store, level: Level, memory: Any, name: str, shape: tuple[int, ...]) -> None:
     """Writes the metadata of the array of a level."""
     zarr = zarr_package()
@@ -180,28 +163,9 @@ def _create_array(store: Store, level: Level, memory: Any, name: str, shape: tup
         shards=(store.shards,) * 3,
         dtype=np.float32,
         fill_value=level.outside,
-        compressors=zarr.codecs.BloscCodec(cname=_COMPRESSOR, clevel=_LEVEL, shuffle="shuffle"),
+        compressors=compressor(),
         dimension_names=["z", "y", "x"],
     )
-
-
-def compressed(chunk: npt.NDArray[np.float32]) -> bytes:
-    """Returns the bytes of a chunk, as the codecs of `_create_array` make them."""
-    numcodecs: Any = importlib.import_module("numcodecs")  # What zarr itself calls
-    return bytes(numcodecs.Blosc(cname=_COMPRESSOR, clevel=_LEVEL, shuffle=numcodecs.Blosc.SHUFFLE).encode(chunk))
-
-
-def encoded_index(index: npt.NDArray[np.uint64]) -> bytes:
-    """Returns the bytes of the index of a shard: its numbers and their checksum."""
-    files: dict[str, Any] = {}
-    zarr = zarr_package()
-    memory = zarr.storage.MemoryStore(files)
-    array = zarr.create_array(
-        store=memory, shape=index.shape, chunks=index.shape, dtype=index.dtype, fill_value=0,
-        compressors=zarr.codecs.Crc32cCodec(),
-    )  # fmt: skip
-    array[:] = index
-    return bytes(files["c/0/0/0/0"].to_bytes())
 
 
 def is_finished(store: Store, overwrite: bool) -> bool:
@@ -304,13 +268,13 @@ def _is_whole(store: Store, name: str) -> bool:
         try:
             with open(path, "rb") as file:
                 size = file.seek(0, os.SEEK_END)
-                file.seek(max(0, size - index_bytes - _CHECKSUM_BYTES))
+                file.seek(max(0, size - index_bytes - CHECKSUM_BYTES))
                 content = file.read(index_bytes)
         except FileNotFoundError:
             return False
     index = np.frombuffer(content[: len(content) // 16 * 16], "<u8").reshape(-1, 2)
     ends = index.sum(axis=1)[index[:, 0] != NO_CHUNK]
-    if ends.max(initial=0) + index_bytes + _CHECKSUM_BYTES != size or len(ends) == 0:
+    if ends.max(initial=0) + index_bytes + CHECKSUM_BYTES != size or len(ends) == 0:
         raise FileError(f"{path}: not the whole shard that was written there; remove it, and run again")
     return True
 
