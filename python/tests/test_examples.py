@@ -60,6 +60,20 @@ def test_a_mesh_is_fitted_to_a_field(tmp_path: Path) -> None:
     assert image.imread(tmp_path / "fit.png")[..., :3].std() > 0.02
 
 
+def test_a_network_learns_a_mesh(tmp_path: Path, files: Path) -> None:
+    image = load("matplotlib.image")
+    load("torch")
+    ended = subprocess.run(
+        [sys.executable, ROOT / "examples/python/neural_field.py", tmp_path, files / "ball.ply",
+         "--steps", "20", "--resolution", "32"],
+        env=os.environ | {"MPLBACKEND": "agg"}, capture_output=True, text=True,
+    )  # fmt: skip
+    assert ended.returncode == 0, ended.stderr
+    assert number("ball: mean error", ended.stdout) < 0.05  # 0.4 at first
+    assert abs(raymap.load_mesh(tmp_path / "ball.ply").bounds - [[-1] * 3, [1] * 3]).max() < 0.1
+    assert image.imread(tmp_path / "neural_field.png")[..., :3].std() > 0.02
+
+
 def check_facts(printed: str) -> None:
     """Checks what the walk says against the shape: a tube around a curve, by Pappus' theorem."""
     t = np.linspace(0, 2 * np.pi, 10_001)
