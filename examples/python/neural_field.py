@@ -1,9 +1,10 @@
 """One small network that learns the distances of several meshes: python examples/python/neural_field.py [FOLDER] [MESH ...]
 
-Each mesh has grids of features at several resolutions. One network turns what lies around a point into a distance. Grids and
-network are learnt together (as in NGLOD: Takikawa et al. 2021). `raymap.torch.SurfaceSamples` samples points meanwhile. FOLDER/neural_field.png shows the meshes above the
-zero sets of the network, which are in FOLDER, too. Without a MESH, three shapes are made. A CPU core trains it in about two
-minutes. It needs PyTorch and matplotlib: pip install . torch matplotlib
+Each mesh has grids of features at several resolutions. One network turns the features around a point into a distance. Grids
+and network are learnt together (as in NGLOD: Takikawa et al. 2021), from points that `raymap.torch.SurfaceSamples` makes
+meanwhile. FOLDER/neural_field.png shows the meshes above the zero sets of the network, which FOLDER/NAME_learnt.ply hold.
+Without a MESH, three shapes are made. A CPU core trains them in about two minutes. The example needs PyTorch and matplotlib:
+pip install . torch matplotlib
 """
 
 import argparse
@@ -62,9 +63,7 @@ class Network(torch.nn.Module):
 
 def train(meshes, steps):
     """Returns a network. Each step sees points of every mesh; distances count up to the truncation."""
-    samples = raymap.torch.SurfaceSamples(
-        meshes, blocks=steps, block=POINTS, near=0.8, sigma=(0.05, 0.01), threads=None
-    )
+    samples = raymap.torch.SurfaceSamples(meshes, blocks=steps, block=POINTS, near=0.8, sigma=(0.05, 0.01), threads=None)
     network = Network(len(meshes))
     optimizer = torch.optim.Adam(network.parameters(), lr=0.01)
     schedule = torch.optim.lr_scheduler.CosineAnnealingLR(optimizer, steps)
@@ -105,6 +104,8 @@ arguments.add_argument("meshes", nargs="*", type=Path, metavar="MESH")
 arguments.add_argument("--steps", default=600, type=int)
 arguments.add_argument("--resolution", default=96, type=int, help="samples along a side of the network's grid")
 options = arguments.parse_args()
+if len({path.stem for path in options.meshes}) < len(options.meshes):
+    arguments.error("two meshes have the same name; rename one")
 
 torch.manual_seed(0)
 torch.set_num_threads(1)  # The tensors are small: more threads would wait for each other.
@@ -115,7 +116,7 @@ network = train(list(meshes.values()), options.steps)
 figure, rows = plt.subplots(2, len(meshes), figsize=(4 * len(meshes), 7), squeeze=False, layout="constrained")
 for number, (name, mesh) in enumerate(meshes.items()):
     found = zero_set(network, number, options.resolution)
-    found.save(options.folder / f"{name}.ply")
+    found.save(options.folder / f"{name}_learnt.ply")
     error = abs(raymap.Surface(mesh).signed_distance(raymap.sample_faces(found, step=0.05).position)).mean()
     text = f"{name}: mean error {error:.4f}"
     print(text)

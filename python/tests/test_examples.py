@@ -75,7 +75,7 @@ def test_a_network_learns_a_mesh(tmp_path: Path, files: Path) -> None:
     )  # fmt: skip
     assert ended.returncode == 0, ended.stderr
     assert number("ball: mean error", ended.stdout) < 0.05  # 0.4 at first
-    assert abs(raymap.load_mesh(tmp_path / "ball.ply").bounds - [[-1] * 3, [1] * 3]).max() < 0.1
+    assert abs(raymap.load_mesh(tmp_path / "ball_learnt.ply").bounds - [[-1] * 3, [1] * 3]).max() < 0.1
     assert image.imread(tmp_path / "neural_field.png")[..., :3].std() > 0.02
 
 
