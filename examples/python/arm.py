@@ -1,8 +1,9 @@
-"""An arm that keeps away from an obstacle by the gradient of its distance: python examples/python/arm.py [FOLDER]
+"""An arm that keeps away from a scanned shelf by the gradient of its distance: python examples/python/arm.py [FOLDER] [MESH]
 
-Three capsules turn about their joints in a plane. A straight path of the joints' angles leads the arm through a ball. Each
-step asks a `raymap.Scene` of the links for the distance of the ball's centre to the arm in all configurations of the path at
-once, and turns the joints so that it grows where it is too small (CHOMP: Ratliff et al. 2009). It writes FOLDER/arm.png, and
+Three links turn about their joints in a plane. The straight path of the joints' angles leads the arm through the boards of a
+shelf. The scan of the shelf is broken: no backs, missing, double and reversed faces, noise. A `raymap.Scene` still tells
+inside from outside. It measures many bent paths at once. The best of them is pushed away by the gradient until the arm keeps
+its distance (CHOMP: Ratliff et al. 2009). A MESH, z up, takes the place of the shelf. The example writes FOLDER/arm.png, and
 needs matplotlib: pip install . matplotlib
 """
 
@@ -13,81 +14,127 @@ import matplotlib.pyplot as plt
 import numpy as np
 import raymap
 
-LENGTHS, RADIUS, MARGIN = (1.0, 1.0, 0.8), 0.08, 0.12
-CENTRE, BALL = np.array([[1.85, 0.0, 1.85]]), 0.2
-START, END = (-0.2, 0.7, 0.3), (1.3, 0.7, 0.3)
+LENGTHS, RADIUS, MARGIN = (1.0, 0.9, 0.7), 0.06, 0.1
+REACH_IN = (0.27, 0.57, 0.2), (0.18, 1.15, 0.24)  # From above the top board to below it.
+PASS_BY = (-0.2, 0.7, 0.3), (1.3, 0.7, 0.3)
+TIMES = np.linspace(0, 1, 60)
 
 
-def make_capsule(length, radius, around=24, rows=12):
-    """Returns the vertices and faces of a capsule around a line from (0, 0, 0) along z."""
-    angles, turns = np.linspace(-np.pi / 2, np.pi / 2, 2 * rows), np.arange(around) * 2 * np.pi / around
-    a, t = np.meshgrid(angles, turns, indexing="ij")
-    vertices = radius * np.stack([np.cos(a) * np.cos(t), np.cos(a) * np.sin(t), np.sin(a)], axis=-1)
-    vertices[rows:, :, 2] += length
-    i, j = np.indices((2 * rows - 1, around))
-    corners = [k * around + m % around for k, m in ((i, j), (i, j + 1), (i + 1, j + 1), (i + 1, j))]
-    faces = [np.stack([corners[c] for c in triangle], axis=-1).reshape(-1, 3) for triangle in ((0, 1, 2), (0, 2, 3))]
-    return vertices.reshape(-1, 3), np.concatenate(faces)
+def scan_plate(low, high, random, step=0.05, noise=0.003):
+    """Returns the vertices and faces of a box as a scanner sees it: without its back, that is the side of the largest x."""
+    vertices, faces = [], []
+    for axis, side in ((0, 0), (1, 0), (1, 1), (2, 0), (2, 1)):
+        u, v = (axis + 1) % 3, (axis + 2) % 3
+        a, b = (np.linspace(low[k], high[k], max(round((high[k] - low[k]) / step), 1) + 1) for k in (u, v))
+        corners = np.empty((len(a), len(b), 3))
+        corners[..., axis], corners[..., u], corners[..., v] = (low, high)[side][axis], a[:, None], b
+        i, j = np.indices((len(a) - 1, len(b) - 1))
+        p, q, r, s = (sum(map(len, vertices)) + m * len(b) + n for m, n in ((i, j), (i + 1, j), (i + 1, j + 1), (i, j + 1)))
+        both = np.concatenate([np.stack(t, axis=-1).reshape(-1, 3) for t in ((p, q, r), (p, r, s))])
+        vertices.append(corners.reshape(-1, 3))
+        faces.append(both if side else both[:, ::-1])
+    points, found = np.concatenate(vertices), np.concatenate(faces)
+    return points + random.normal(0, noise, points.shape), found
+
+
+def scan_shelf():
+    """Returns a broken mesh of three boards between two sides; its front is at x = 0."""
+    random, parts, count = np.random.default_rng(0), [], 0
+    boards = [((0, -0.5, z), (0.8, 0.5, z + 0.08)) for z in (0, 0.7, 1.4)]
+    sides = [((0, y, -0.1), (0.8, y + 0.08, 1.5)) for y in (-0.58, 0.5)]
+    for low, high in boards + sides:
+        vertices, faces = scan_plate(low, high, random)
+        parts.append((vertices, faces + count))
+        count += len(vertices)
+    vertices, faces = (np.concatenate(arrays) for arrays in zip(*parts, strict=True))
+    faces = faces[random.random(len(faces)) > 0.04]
+    is_reversed = random.random(len(faces)) < 0.03
+    faces[is_reversed] = faces[is_reversed, ::-1]
+    double = faces[random.random(len(faces)) < 0.1]
+    return raymap.Mesh(vertices, np.concatenate([faces, double[:, ::-1]]))
 
 
 def place(angles):
-    """Returns the poses of the links, (configurations, links, 4, 4), and the positions of their ends."""
-    poses, ends = np.zeros((*angles.shape, 4, 4)), np.zeros((len(angles), len(LENGTHS) + 1, 3))
-    for link, angle in enumerate(np.cumsum(angles, axis=1).T):
-        cos, sin = np.cos(angle), np.sin(angle)
-        pose = poses[:, link]
-        pose[:, 0, 0], pose[:, 0, 2], pose[:, 2, 0], pose[:, 2, 2] = cos, sin, -sin, cos
-        pose[:, 1, 1] = pose[:, 3, 3] = 1
-        pose[:, :3, 3] = ends[:, link]
-        ends[:, link + 1] = ends[:, link] + LENGTHS[link] * pose[:, :3, 2]
-    return poses, ends
+    """Returns the positions of the joints and of the arm's end, (..., 4, 3)."""
+    total = np.cumsum(angles, axis=-1)
+    links = np.array(LENGTHS)[:, None] * np.stack([np.sin(total), 0 * total, np.cos(total)], axis=-1)
+    return np.concatenate([np.zeros_like(links[..., :1, :]), np.cumsum(links, axis=-2)], axis=-2)
 
 
-def ask(scene, points, angles):
-    """Returns the distances of the points, and their derivatives by the angles: (configurations, points[, joints])."""
-    poses, ends = place(angles)
-    found = scene.query(points, ("distance", "body", "gradient"), poses=poses)
-    # A joint moves the point of the arm that is closest to a point, which changes the distance against the gradient.
-    arms = points - found.distance[..., None] * found.gradient
-    moves = np.cross((0.0, 1.0, 0.0), arms[:, :, None] - ends[:, None, :-1])
-    joints = np.arange(len(LENGTHS)) <= found.body[..., None]
-    return found.distance, -(moves * found.gradient[:, :, None]).sum(axis=-1) * joints
+def ask(angles, samples=12):
+    """Returns the distances of points of the arm, and their derivatives by the angles: (..., points[, joints])."""
+    joints = place(angles)
+    shares = np.linspace(0, 1, samples)[:, None]
+    points = joints[..., :-1, None, :] + shares * np.diff(joints, axis=-2)[..., None, :]
+    points = points.reshape(*angles.shape[:-1], -1, 3)
+    found = scene.query(points, ("distance", "gradient"))
+    moves = np.cross((0.0, 1.0, 0.0), points[..., None, :] - joints[..., None, :-1, :])
+    is_moved = np.arange(len(LENGTHS)) <= np.repeat(np.arange(len(LENGTHS)), samples)[:, None]
+    return found.distance - RADIUS, (moves * found.gradient[..., None, :]).sum(axis=-1) * is_moved
 
 
-def between(path, steps=20):
-    """Returns the path with configurations between those of each step."""
-    times = np.linspace(0, len(path) - 1, steps * (len(path) - 1) + 1)
-    return np.stack([np.interp(times, np.arange(len(path)), joint) for joint in path.T], axis=-1)
+def least(path, between=10):
+    """Returns the least distance of the arm on its way, also between the configurations of the path."""
+    times = np.linspace(0, 1, between * (len(path) - 1) + 1)
+    return ask(np.stack([np.interp(times, TIMES, joint) for joint in path.T], axis=-1))[0].min()
 
 
-def draw(axes, angles, title):
-    axes.add_patch(plt.Circle(CENTRE[0, [0, 2]], BALL, color="firebrick"))
-    for share, ends in zip(np.linspace(0.2, 1.0, len(angles)), place(angles)[1], strict=True):
-        axes.plot(ends[:, 0], ends[:, 2], color=plt.cm.viridis(1 - share), linewidth=4, solid_capstyle="round")
-    axes.set(title=title, aspect="equal", xlim=(-1.2, 3), ylim=(-1, 3))
+def bend(straight):
+    """Returns the best of many paths that leave the straight one and come back: neither near the obstacle nor long."""
+    offsets = np.stack(np.meshgrid(*[np.linspace(-1.5, 1.5, 7)] * 3), axis=-1).reshape(-1, 1, 3)
+    paths = straight + np.sin(np.pi * TIMES)[:, None] * offsets
+    near = np.maximum(MARGIN / 4 - ask(paths)[0], 0).sum(axis=(1, 2))
+    return paths[np.argmin(near + 0.01 * np.square(offsets).sum(axis=(1, 2)))]
 
 
-links = [raymap.Surface(*make_capsule(length, RADIUS)) for length in LENGTHS]
-scene = raymap.Scene({f"link {number}": link for number, link in enumerate(links)})
-path = straight = np.linspace(START, END, 60)
+def push_away(path):
+    """Returns a path with the margin, if it is found. Steps are smoothed along the path, whose ends stay."""
+    stiffness = 2 * np.eye(len(path) - 2) - np.eye(len(path) - 2, k=1) - np.eye(len(path) - 2, k=-1)
+    smooth = np.linalg.inv(stiffness)
+    smooth /= smooth.max()
+    for _ in range(300):
+        distance, change = ask(path)
+        wanted = np.maximum(MARGIN - distance, 0)[1:-1]
+        if wanted.max() < 0.001:
+            break
+        path = path.copy()
+        path[1:-1] += 0.1 * smooth @ (wanted[..., None] * change[1:-1]).sum(axis=1)
+    return path
 
-# Steps are smoothed along the path, whose ends stay.
-stiffness = 2 * np.eye(len(path) - 2) - np.eye(len(path) - 2, k=1) - np.eye(len(path) - 2, k=-1)
-smooth = np.linalg.inv(stiffness)
-smooth /= smooth.max()
-for _ in range(300):
-    distance, change = ask(scene, CENTRE, path)
-    wanted = np.maximum(BALL + MARGIN - distance, 0)
-    if wanted.max() < 0.001:
-        break
-    path = path.copy()
-    path[1:-1] += 0.3 * smooth @ (wanted[..., None] * change).sum(axis=1)[1:-1]
+
+def draw(axes, path, title):
+    x, z = np.meshgrid(np.linspace(-1.2, 2.6, 381), np.linspace(-0.6, 2.4, 301))
+    distance = scene.signed_distance(np.stack([x, 0 * x, z], axis=-1))
+    axes.contourf(x, z, distance, levels=[-9, 0, *np.arange(0.1, 1.5, 0.1)], cmap="Greys_r", vmin=-0.5, vmax=0.6)
+    for time, joints in zip(TIMES[::3], place(path[::3]), strict=True):
+        axes.plot(joints[:, 0], joints[:, 2], color=plt.cm.viridis(time), linewidth=3, solid_capstyle="round")
+    axes.plot(*place(path)[:, -1, [0, 2]].T, color="firebrick", linewidth=1)
+    axes.set(title=f"{title}: least distance {least(path):.3f}", aspect="equal", xlim=(-1.2, 2.6), ylim=(-0.6, 2.4))
+
 
 folder = Path("arm" if len(sys.argv) < 2 else sys.argv[1])
 folder.mkdir(parents=True, exist_ok=True)
-figure, both = plt.subplots(1, 2, figsize=(10, 5))
-for axes, angles, title in zip(both, (straight, path), ("straight path", "away from the ball"), strict=True):
-    least = ask(scene, CENTRE, between(angles))[0].min() - BALL
-    print(f"{title}: least distance {least:.3f}")
-    draw(axes, angles[::3], f"{title}: least distance {least:.3f}")
-figure.savefig(folder / "arm.png", dpi=100, bbox_inches="tight")
+pose = np.eye(4)
+if len(sys.argv) < 3:
+    mesh, ends = scan_shelf(), REACH_IN
+    pose[:3, 3] = 1.3, 0, 0.1
+else:
+    given, ends = raymap.load_mesh(sys.argv[2]), PASS_BY
+    mesh = raymap.Mesh((given.vertices - given.bounds.mean(axis=0)) / np.ptp(given.bounds, axis=0).max(), given.faces)
+    pose[:3, 3] = 1.85, 0, 1.6
+scene = raymap.Scene()
+scene.add("obstacle", raymap.Surface(mesh), pose)
+straight = np.linspace(*ends, len(TIMES))
+bent = bend(straight)
+path = push_away(bent)
+
+figure, (left, middle, right) = plt.subplots(1, 3, figsize=(16, 5), layout="constrained")
+left.imshow(raymap.render_defects(mesh, width=480, height=400, direction=(0.8, 0.5, -0.4), up=(0, 0, 1)))
+left.set_title("the mesh, with its defects")
+left.axis("off")
+paths = {"straight path": straight, "bent path": bent, "path that keeps away": path}
+for title, angles in paths.items():
+    print(f"{title}: least distance {least(angles):.3f}")
+draw(middle, straight, "straight path")
+draw(right, path, "path that keeps away")
+figure.savefig(folder / "arm.png", dpi=80)

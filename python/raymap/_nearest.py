@@ -7,7 +7,6 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from ._arrays import to_numpy
 from ._errors import InputError
 from ._surface import Surface
 
@@ -25,8 +24,16 @@ class Nearest(NamedTuple):
     """Weights of these corners, (..., 3); all 0 for a point that is not finite."""
 
 
-def find_nearest(surface: Surface, points: npt.NDArray[Any], threads: int | None = None) -> Nearest:
-    """Returns what distances of points change with, first of all their closest points."""
+def find_nearest(
+    surface: Surface, points: npt.NDArray[Any], vertices: npt.NDArray[Any] | None = None, threads: int | None = None
+) -> Nearest:
+    """Returns what distances of points change with, first of all their closest points.
+
+    Raises:
+        InputError: Points of another shape, or vertices that are not those of the surface.
+    """
+    if vertices is not None:
+        _check_vertices(surface, vertices)
     found = surface.query(points, ("distance", "direction", "triangle", "barycentric"), threads=threads)
     is_finite = np.isfinite(found.distance)
     corners = surface.mesh.faces[np.where(is_finite, found.triangle, 0)].astype(np.int64)
@@ -40,10 +47,10 @@ def find_nearest(surface: Surface, points: npt.NDArray[Any], threads: int | None
     )
 
 
-def check_vertices(surface: Surface, vertices: Any) -> None:
+def _check_vertices(surface: Surface, given: npt.NDArray[Any]) -> None:
     """Raises InputError unless a surface was prepared of these vertices, (n, 3)."""
     rounding = 2.0**-22  # Surfaces keep positions in single precision about an origin.
-    given, kept = to_numpy(vertices), surface.mesh.vertices
+    kept = surface.mesh.vertices
     if given.shape != kept.shape:
         raise InputError(f"vertices must be {kept.shape}, those of the surface, not {given.shape}")
     is_same = (np.abs(given - kept) <= rounding * np.abs(kept).max(initial=0.0)).all(axis=1)

@@ -1,4 +1,4 @@
-"""Distances and closest points that JAX can differentiate, negative inside.
+"""Distances, closest points and samples of fields that JAX can differentiate, negative inside.
 
 >>> import raymap, jax  # doctest: +SKIP
 >>> surface = raymap.Surface("ball.ply")  # doctest: +SKIP
@@ -9,12 +9,17 @@ Array([0., 0., 1.], dtype=float32)
 from __future__ import annotations
 
 import importlib
+from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 import numpy as np
 
-from ._nearest import Nearest, check_vertices, find_nearest, project
+from ._errors import InputError
+from ._field import Field
+from ._nearest import Nearest, find_nearest, project
 from ._surface import Surface
+from ._trilinear import Cells, check_field, find_cells, interpolate
 
 try:
     jax: Any = importlib.import_module("jax")  # Any, so that types are the same with JAX and without.
@@ -37,26 +42,13 @@ def signed_distance(surface: Surface, points: Any, *, vertices: Any = None, thre
         threads: Number of CPU threads; None = ``raymap.get_threads()``.
 
     Raises:
-        InputError: Points of another shape, or vertices that are not those of the surface. Under ``jit``, JAX wraps the
-            second in an error of its own.
+        InputError: Points of another shape, or vertices that are not those of the surface. JAX wraps the second in an
+            error of its own.
         MemoryLimitError: The results do not fit into memory.
     """
     points = _to_points(points)
-
-    @jax.custom_jvp  # type: ignore[untyped-decorator]
-    def distance(points: Any, vertices: Any) -> Any:
-        return _nearest(surface, points, vertices, threads).distance
-
-    @distance.defjvp  # type: ignore[untyped-decorator]
-    def _(values: tuple[Any, Any], changes: tuple[Any, Any]) -> tuple[Any, Any]:
-        found = _nearest(surface, *values, threads)
-        moved = changes[0]
-        if values[1] is not None:
-            corners = changes[1][found.corners].astype(moved.dtype)
-            moved = moved - (found.weights[..., None] * corners).sum(-2)
-        return found.distance, (found.gradient * moved).sum(-1)
-
-    return distance(points, vertices)
+    found = Nearest(*_find(partial(find_nearest, surface, threads=threads), _kinds(points), points, vertices))
+    return _moved(found, _change(points), vertices)
 
 
 def closest_point(surface: Surface, points: Any, *, vertices: Any = None, threads: int | None = None) -> Any:
@@ -77,29 +69,85 @@ def closest_point(surface: Surface, points: Any, *, vertices: Any = None, thread
     """
     points = _to_points(points)
     vertices = jax.numpy.asarray(surface.mesh.vertices if vertices is None else vertices)
-    found = _nearest(surface, jax.lax.stop_gradient(points), jax.lax.stop_gradient(vertices), threads)
+    found = Nearest(*_find(partial(find_nearest, surface, threads=threads), _kinds(points), points, vertices))
     return project(jax.numpy.where, points, vertices.astype(points.dtype)[found.corners], found.weights)
 
 
+def sample(
+    field: Field, points: Any, *, surface: Surface | None = None, vertices: Any = None, threads: int | None = None
+) -> Any:
+    """Returns a field's distances at points, (...) for points (..., 3), trilinear between its samples, negative inside.
+
+    The derivatives are those of ``raymap.torch.sample``. They jump where a point enters another cell of the grid, and
+    where one of the samples around it gets another closest point. Points outside of the box of the samples, and those
+    that are not finite, get NaN and the derivative 0.
+
+    Args:
+        field: A dense field.
+        points: Positions, as for ``signed_distance``.
+        surface: To differentiate with respect to vertices: a surface of them that the field agrees with, as one that its
+            ``generate`` made does.
+        vertices: The vertices of the surface's mesh, (n, 3). After they have moved, prepare a new surface of them, and
+            make a new field of it.
+        threads: Number of CPU threads for the surface; None = ``raymap.get_threads()``.
+
+    Raises:
+        InputError: Points of another shape, vertices that are not those of the surface, or a sample that is not its
+            distance. JAX wraps the last two in an error of its own.
+        UsageError: A surface without vertices, or vertices without a surface.
+        TypeError: The field is no ``raymap.Field``.
+    """
+    check_field(field, surface, vertices)
+    points = _to_points(points)
+    kind = jax.ShapeDtypeStruct
+    kinds = (*_kinds(points, 8), kind(points.shape, points.dtype), kind(points.shape[:-1], bool))
+    found = Cells(*_find(partial(find_cells, field, surface, threads=threads), kinds, points, vertices))
+    found = Cells(_moved(found, 0.0, vertices), *found[1:])
+    return interpolate(jax.numpy.where, found, _change(points) / field.spacing)
+
+
 def _to_points(points: Any) -> Any:
-    """Returns points as an array of floating-point numbers."""
+    """Returns points as an array of floating-point numbers. Raises InputError for points of another shape than (..., 3)."""
     given = jax.numpy.asarray(points)
+    if given.ndim == 0 or given.shape[-1] != 3:
+        raise InputError(f"points must be (..., 3) coordinates, not of the shape {given.shape}")
     return given if jax.numpy.issubdtype(given.dtype, jax.numpy.floating) else given.astype(float)
 
 
-def _nearest(surface: Surface, points: Any, vertices: Any, threads: int | None) -> Nearest:
-    def find(points: Any, vertices: Any) -> Nearest:
-        if vertices is not None:
-            check_vertices(surface, vertices.reshape(vertices.shape[-2:]) if vertices.size == size else vertices)
-        distance, gradient, corners, weights = find_nearest(surface, np.asarray(points), threads)
-        return Nearest(distance, gradient, corners.astype(np.int32), weights)
-
-    size = None if vertices is None else vertices.size  # vmap adds an axis of length 1.
-    shape = jax.ShapeDtypeStruct
-    result = Nearest(
-        shape(points.shape[:-1], points.dtype),
-        shape(points.shape, points.dtype),
-        shape(points.shape, np.int32),
-        shape(points.shape, points.dtype),
+def _kinds(points: Any, *samples: int) -> tuple[Any, ...]:
+    """Returns the shapes and types of a ``Nearest``, for points or for so many samples around each."""
+    kind, leading = jax.ShapeDtypeStruct, points.shape[:-1] + samples
+    return (
+        kind(leading, points.dtype),
+        kind((*leading, 3), points.dtype),
+        kind((*leading, 3), np.int32),
+        kind((*leading, 3), points.dtype),
     )
-    return jax.pure_callback(find, result, points, vertices, vmap_method="expand_dims")  # type: ignore[no-any-return]
+
+
+def _find(find: Callable[..., Any], kinds: tuple[Any, ...], points: Any, vertices: Any) -> Any:
+    """Returns what ``find`` returns of points and vertices, by a callback, as constants of these kinds."""
+    size = None if vertices is None else vertices.size  # vmap adds an axis of length 1.
+
+    def call(points: Any, vertices: Any) -> tuple[Any, ...]:
+        if vertices is not None:
+            vertices = np.asarray(vertices)
+            vertices = vertices.reshape(vertices.shape[-2:]) if vertices.size == size else vertices
+        found = find(np.asarray(points), vertices)
+        return tuple(np.asarray(array, kind.dtype) for array, kind in zip(found, kinds, strict=True))
+
+    still = jax.lax.stop_gradient((points, vertices))
+    return jax.pure_callback(call, kinds, *still, vmap_method="expand_dims")
+
+
+def _change(values: Any) -> Any:
+    """Returns 0 with the derivatives of the values."""
+    return values - jax.lax.stop_gradient(values)
+
+
+def _moved(found: Nearest | Cells, moved: Any, vertices: Any) -> Any:
+    """Returns the distances with the derivatives of what the points are moved by, and of the vertices."""
+    if vertices is not None:
+        corners = _change(vertices)[found.corners].astype(found.weights.dtype)
+        moved = moved - (found.weights[..., None] * corners).sum(-2)
+    return found.distance + (found.gradient * moved).sum(-1)

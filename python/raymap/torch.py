@@ -1,4 +1,4 @@
-"""Distances and closest points that PyTorch can differentiate, and data sets for it.
+"""Distances, closest points and samples of fields that PyTorch can differentiate, and data sets for it.
 
 >>> import raymap, torch  # doctest: +SKIP
 >>> surface = raymap.Surface("ball.ply")  # doctest: +SKIP
@@ -12,7 +12,8 @@ from __future__ import annotations
 
 import importlib
 import os
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
+from functools import partial
 from typing import Any, Unpack
 
 import numpy as np
@@ -21,9 +22,11 @@ import numpy.typing as npt
 from ._arguments import to_whole
 from ._arrays import to_numpy
 from ._errors import UsageError
-from ._nearest import check_vertices, find_nearest, project
+from ._field import Field
+from ._nearest import Nearest, find_nearest, project
 from ._samples import Sampler, SamplerOptions, to_seed, to_surface
 from ._surface import Surface
+from ._trilinear import Cells, check_field, find_cells, interpolate
 from .dataset.read import Results
 
 try:
@@ -32,44 +35,46 @@ except ImportError as error:
     raise ImportError("raymap.torch needs PyTorch; install it with: pip install torch") from error
 
 
-class _SignedDistance(torch.autograd.Function):  # type: ignore[misc]
-    """Distances of points. What follows them in the result is no function that can be differentiated."""
+class _Distances(torch.autograd.Function):  # type: ignore[misc]
+    """What ``find`` returns of points and vertices: distances, and what follows them in a ``Nearest`` or in ``Cells``.
+
+    The distances alone can be differentiated: those of a ``Nearest`` by points and vertices, those of ``Cells`` by vertices.
+    """
 
     @staticmethod
-    def forward(points: Any, vertices: Any, surface: Surface, threads: int | None) -> Any:
-        if vertices is not None:
-            check_vertices(surface, vertices)
-        found = find_nearest(surface, to_numpy(points), threads)
+    def forward(points: Any, vertices: Any, find: Callable[..., Nearest | Cells]) -> Any:
+        found = find(to_numpy(points), None if vertices is None else to_numpy(vertices))
         return tuple(torch.from_numpy(np.asarray(array)).to(points.device) for array in found)
 
     @staticmethod
     def setup_context(ctx: Any, inputs: tuple[Any, ...], output: tuple[Any, ...]) -> None:
         vertices, (_, *rest) = inputs[1], output
         ctx.mark_non_differentiable(*rest)
-        ctx.save_for_backward(*rest)
+        ctx.save_for_backward(*rest[:3])
         ctx.vertices = None if vertices is None else (vertices.shape, vertices.dtype, vertices.device)
 
     @staticmethod
     @torch.autograd.function.once_differentiable  # type: ignore[untyped-decorator]
     def backward(ctx: Any, upstream: Any, *_: Any) -> tuple[Any, ...]:
         gradient, corners, weights = ctx.saved_tensors
-        to_points = upstream[..., None] * gradient
+        along = upstream[..., None] * gradient
+        to_points = along if ctx.needs_input_grad[0] else None
         if not ctx.needs_input_grad[1]:
-            return to_points, None, None, None
+            return to_points, None, None
         shape, dtype, device = ctx.vertices
-        shares = torch.where(weights[..., None] > 0, -weights[..., None] * to_points[..., None, :], 0.0)
+        shares = torch.where(weights[..., None] > 0, -weights[..., None] * along[..., None, :], 0.0)
         to_vertices = torch.zeros(shape, dtype=dtype, device=device).index_add(
             0, corners.reshape(-1).to(device), shares.reshape(-1, 3).to(device, dtype)
         )
-        return to_points, to_vertices, None, None
+        return to_points, to_vertices, None
 
     @staticmethod
     def vmap(
-        info: Any, in_dims: tuple[Any, ...], points: Any, vertices: Any, surface: Surface, threads: int | None
+        info: Any, in_dims: tuple[Any, ...], points: Any, vertices: Any, find: Callable[..., Nearest | Cells]
     ) -> tuple[Any, Any]:
         if in_dims[1] is not None:
             raise UsageError("vertices must be the same for all points; a surface is prepared of one mesh")
-        found = _SignedDistance.apply(points.movedim(in_dims[0], 0), vertices, surface, threads)
+        found = _Distances.apply(points.movedim(in_dims[0], 0), vertices, find)
         return found, (0,) * len(found)
 
 
@@ -103,7 +108,7 @@ def signed_distance(surface: Surface, points: Any, *, vertices: Any = None, thre
     _check_tensor("points", points, "surface.signed_distance(points)")
     if vertices is not None:
         _check_tensor("vertices", vertices, "surface.signed_distance(points)")
-    return _SignedDistance.apply(points, vertices, surface, threads)[0]
+    return _Distances.apply(points, vertices, partial(find_nearest, surface, threads=threads))[0]
 
 
 def closest_point(surface: Surface, points: Any, *, vertices: Any = None, threads: int | None = None) -> Any:
@@ -126,8 +131,50 @@ def closest_point(surface: Surface, points: Any, *, vertices: Any = None, thread
     if vertices is None:
         vertices = torch.tensor(surface.mesh.vertices)
     _check_tensor("vertices", vertices, "surface.closest(points)")
-    _, _, corners, weights = _SignedDistance.apply(points.detach(), vertices.detach(), surface, threads)
+    find = partial(find_nearest, surface, threads=threads)
+    _, _, corners, weights = _Distances.apply(points.detach(), vertices.detach(), find)
     return project(torch.where, points, vertices.to(points.device, points.dtype)[corners], weights)
+
+
+def sample(
+    field: Field, points: Any, *, surface: Surface | None = None, vertices: Any = None, threads: int | None = None
+) -> Any:
+    """Returns a field's distances at points, (...) for points (..., 3), trilinear between its samples, negative inside.
+
+    The gradient for a point is that of the trilinear function. It jumps where the point enters another cell of the grid.
+    Its own derivatives are computed, too: within a cell, second derivatives along one axis are 0.
+
+    The gradient for a vertex sums up what the eight samples around each point change by: a sample's distance changes as
+    that of ``signed_distance`` at its place, times the sample's weight. It jumps where a sample gets another closest
+    point, and is 0 for samples on the surface and for clamped ones.
+
+    Points outside of the box of the samples, and those that are not finite, get NaN and the gradient 0. ``torch.func``
+    takes the function, with ``grad`` and ``vmap`` over points.
+
+    Args:
+        field: A dense field.
+        points: A tensor of positions in the mesh's units, (..., 3), float32 or float64, on any device. The work is done
+            on the CPU. The result has its type and is on its device.
+        surface: To differentiate with respect to vertices: a surface of them that the field agrees with, as one that its
+            ``generate`` made does. Only the samples around the points are asked for.
+        vertices: The vertices of the surface's mesh, (n, 3). After they have moved, prepare a new surface of them, and
+            make a new field of it.
+        threads: Number of CPU threads for the surface; None = ``raymap.get_threads()``.
+
+    Raises:
+        InputError: Points of another shape, vertices that are not those of the surface, or a sample that is not its
+            distance.
+        UsageError: A surface without vertices, vertices without a surface, or ``vmap`` over vertices.
+        TypeError: The field is no ``raymap.Field``, or the points are no tensor.
+        RuntimeError: The gradient for the vertices is differentiated again with respect to them.
+    """
+    check_field(field, surface, vertices)
+    _check_tensor("points", points, "field.sample(points)")
+    if vertices is not None:
+        _check_tensor("vertices", vertices, "field.sample(points)")
+    still = points.detach()
+    found = Cells(*_Distances.apply(still, vertices, partial(find_cells, field, surface, threads=threads)))
+    return interpolate(torch.where, found, (points - still) / field.spacing)
 
 
 def _check_tensor(name: str, given: Any, instead: str) -> None:

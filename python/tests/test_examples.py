@@ -9,6 +9,7 @@ import sys
 from pathlib import Path
 
 import numpy as np
+import pytest
 import raymap
 from conftest import ROOT
 from helpers import load
@@ -33,15 +34,19 @@ def test_walk_without_a_display(tmp_path: Path) -> None:
     check_facts(ended.stdout)
 
 
-def test_an_arm_keeps_away(tmp_path: Path) -> None:
+@pytest.mark.parametrize("obstacle", ["shelf", "ball.ply"])
+def test_an_arm_keeps_away(tmp_path: Path, files: Path, obstacle: str) -> None:
     image = load("matplotlib.image")
+    given = [] if obstacle == "shelf" else [files / obstacle]
     environment = os.environ | {"MPLBACKEND": "agg"}
     ended = subprocess.run(
-        [sys.executable, ROOT / "examples/python/arm.py", tmp_path], env=environment, capture_output=True, text=True
+        [sys.executable, ROOT / "examples/python/arm.py", tmp_path, *given], env=environment, capture_output=True, text=True
     )
     assert ended.returncode == 0, ended.stderr
-    assert number("straight path: least distance", ended.stdout) < 0
-    assert number("away from the ball: least distance", ended.stdout) > 0.08
+    assert number("straight path: least distance", ended.stdout) < -0.05
+    assert number("path that keeps away: least distance", ended.stdout) > 0.09
+    if obstacle == "shelf":
+        assert number("bent path: least distance", ended.stdout) < 0.09, "the gradient had nothing to do"
     assert image.imread(tmp_path / "arm.png")[..., :3].std() > 0.02
 
 
@@ -58,6 +63,20 @@ def test_a_mesh_is_fitted_to_a_field(tmp_path: Path) -> None:
     before, after = (raymap.load_mesh(tmp_path / f"{name}.ply") for name in ("before", "after"))
     np.testing.assert_array_equal(after.faces, before.faces)
     assert image.imread(tmp_path / "fit.png")[..., :3].std() > 0.02
+
+
+def test_a_network_learns_a_mesh(tmp_path: Path, files: Path) -> None:
+    image = load("matplotlib.image")
+    load("torch")
+    ended = subprocess.run(
+        [sys.executable, ROOT / "examples/python/neural_field.py", tmp_path, files / "ball.ply",
+         "--steps", "20", "--resolution", "32"],
+        env=os.environ | {"MPLBACKEND": "agg"}, capture_output=True, text=True,
+    )  # fmt: skip
+    assert ended.returncode == 0, ended.stderr
+    assert number("ball: mean error", ended.stdout) < 0.05  # 0.4 at first
+    assert abs(raymap.load_mesh(tmp_path / "ball_learnt.ply").bounds - [[-1] * 3, [1] * 3]).max() < 0.1
+    assert image.imread(tmp_path / "neural_field.png")[..., :3].std() > 0.02
 
 
 def check_facts(printed: str) -> None:

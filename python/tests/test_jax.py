@@ -69,8 +69,37 @@ def test_closest_points(surface, points):
         np.testing.assert_allclose(jacobian, np.eye(3) - np.outer(direction, direction), atol=1e-4)
 
 
-def test_vertices_of_another_mesh(surface, points):
+def test_samples_of_fields(surface, points):
     jax = load("jax")
+    field = surface.generate(shape=(9, 9, 9), origin=(-1.63, -1.57, -1.61), voxel_size=0.4)
+    vertices = jax.numpy.asarray(surface.mesh.vertices, np.float32)
+
+    def sample(p, v):
+        return raymap.jax.sample(field, p, surface=surface, vertices=v)
+
+    np.testing.assert_allclose(jax.jit(lambda p: raymap.jax.sample(field, p))(points), field.sample(points), atol=1e-6)
+    places = np.concatenate([points, np.float32([(0, 0, 9), (np.nan, 0, 0)])])
+    both = jax.jit(jax.vmap(jax.value_and_grad(sample, argnums=(0, 1)), (0, None)))
+    values, (to_points, to_vertices) = both(places, vertices)
+    np.testing.assert_allclose(values, field.sample(places, outside="nan"), atol=1e-6)
+    assert (to_points[6:] == 0).all() and (to_vertices[6:] == 0).all()
+    place = (points - field.origin) / field.spacing
+    low, corners = np.floor(place).astype(int), np.array(list(np.ndindex(2, 2, 2)))
+    at, within = field.origin + field.spacing * (low[:, None] + corners), (place - low)[:, None]
+    share = np.where(corners, within, 1 - within).prod(axis=-1)
+    expected = jax.jit(jax.grad(lambda v: (raymap.jax.signed_distance(surface, at, vertices=v) * share).sum()))(vertices)
+    np.testing.assert_allclose(to_vertices.sum(axis=0), expected, atol=1e-5)
+    for k, (i, (_, y, z)) in enumerate(zip(low, within[:, 0], strict=True)):
+        lines = field.distance[tuple(slice(n, n + 2) for n in i)]
+        slope = (-1, 1) @ np.einsum("ijk,j,k->i", lines, (1 - y, y), (1 - z, z)) / field.spacing
+        assert float(to_points[k, 0]) == pytest.approx(slope, abs=1e-5)
+
+
+def test_arguments_that_make_no_sense(surface, points):
+    jax = load("jax")
+    for function, of in ((raymap.jax.signed_distance, surface), (raymap.jax.sample, surface.generate(resolution=4))):
+        with pytest.raises(raymap.InputError, match=r"points must be \(..., 3\) coordinates, not of the shape \(2, 2\)"):
+            function(of, np.zeros((2, 2)))
     with pytest.raises(Exception, match="those of the surface, not"):
         jax.block_until_ready(raymap.jax.signed_distance(surface, points, vertices=np.zeros((2, 3), np.float32)))
 

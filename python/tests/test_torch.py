@@ -195,6 +195,108 @@ def test_vertices_of_another_mesh(surface):
         signed_distance(surface, points, vertices=np.zeros((1, 3)))
 
 
+def make_field(mesh: raymap.Mesh, **options) -> tuple[raymap.Surface, raymap.Field]:
+    """Returns a surface and its field, of samples none of which lies on the tetrahedron or between its faces."""
+    surface = raymap.Surface(mesh)
+    return surface, surface.generate(shape=(7, 6, 5), origin=(-0.33, -0.42, -0.57), voxel_size=0.26, **options)
+
+
+def within(field: raymap.Field, count: int) -> np.ndarray:
+    """Returns points within the field's box, and away from the sides of its cells."""
+    random = np.random.default_rng(4)
+    cells = random.integers(0, np.array(field.shape) - 1, (count, 3))
+    return field.origin + field.spacing * (cells + random.uniform(0.1, 0.9, (count, 3)))
+
+
+def test_samples_of_fields():
+    torch = load("torch")
+    from raymap.torch import sample
+
+    surface, field = make_field(raymap.load_mesh("tetrahedron.ply"))
+    places = np.concatenate([within(field, 20), [field.origin, field.origin + field.spacing * np.array((6, 5, 4))]])
+    for dtype in (torch.float32, torch.float64):
+        points = torch.tensor(places.reshape(2, 11, 3), dtype=dtype)
+        expected = field.sample(points.numpy(), outside="nan")
+        vertices = torch.tensor(surface.mesh.vertices, dtype=torch.float64)
+        for found in (sample(field, points), sample(field, points, surface=surface, vertices=vertices, threads=1)):
+            assert found.dtype == dtype and found.shape == (2, 11)
+            np.testing.assert_allclose(found, expected, atol=1e-6)
+    points = torch.tensor(places[:6], requires_grad=True)
+    assert torch.autograd.gradcheck(lambda p: sample(field, p), points)
+    assert torch.autograd.gradgradcheck(lambda p: sample(field, p), points)
+    single = torch.func.grad(lambda p: sample(field, p))
+    (gradient,) = torch.autograd.grad(sample(field, points).sum(), points)
+    np.testing.assert_allclose(torch.vmap(single)(points.detach()), gradient, atol=1e-12)
+    flat = raymap.Field(np.array([[[1.0], [3.0]]]), spacing=2)  # One sample along x and z.
+    np.testing.assert_array_equal(sample(flat, torch.tensor([(0.0, 1.5, 0.0), (0.1, 1.5, 0.0)])), [2.5, np.nan])
+
+
+@pytest.mark.parametrize("truncation", [None, 0.3])
+def test_samples_of_fields_change_with_vertices(truncation):
+    torch = load("torch")
+    from raymap.torch import sample
+
+    mesh = raymap.load_mesh("tetrahedron.ply")
+    surface, field = make_field(mesh, truncation=truncation)
+    points = torch.tensor(within(field, 8))
+
+    def samples(vertices):
+        moved = raymap.Mesh(vertices.detach().numpy(), mesh.faces)
+        surface, field = make_field(moved, truncation=truncation)
+        return sample(field, points, surface=surface, vertices=vertices)
+
+    vertices = torch.tensor(mesh.vertices, dtype=torch.float64, requires_grad=True)
+    # Positions are in single precision inside of the library, so differences need long steps.
+    assert torch.autograd.gradcheck(samples, vertices, eps=1e-3, atol=2e-3)
+    alone = torch.func.grad(lambda p, v: sample(field, p, surface=surface, vertices=v), argnums=1)
+    samples(vertices).sum().backward()
+    together = torch.vmap(alone, (0, None))(points, vertices.detach()).sum(dim=0)
+    np.testing.assert_allclose(together, vertices.grad, atol=1e-12)
+    # The slope of a sample changes with the vertices, too.
+    points.requires_grad_()
+    (slope,) = torch.autograd.grad(sample(field, points, surface=surface, vertices=vertices).sum(), points, create_graph=True)
+    (mixed,) = torch.autograd.grad(slope[:, 0].sum(), vertices)
+    step = torch.tensor((1e-4, 0, 0))
+    before, after = (torch.func.grad(lambda v, p=points + s: sample(field, p, surface=surface, vertices=v).sum())(vertices)
+                     for s in (-step, step))  # fmt: skip
+    np.testing.assert_allclose(mixed, ((after - before) / 2e-4).detach(), atol=1e-6)
+
+
+def test_samples_outside_of_a_field_leave_the_others_alone():
+    torch = load("torch")
+    from raymap.torch import sample
+
+    surface, field = make_field(raymap.load_mesh("tetrahedron.ply"))
+    points = torch.tensor([within(field, 1)[0].tolist(), (0, 0, 9), (np.nan, 0, 0), (0, np.inf, 0)], requires_grad=True)
+    vertices = torch.tensor(surface.mesh.vertices, dtype=torch.float64, requires_grad=True)
+    found = sample(field, points, surface=surface, vertices=vertices)
+    assert found.isfinite().tolist() == [True, False, False, False] and found[1:].isnan().all()
+    found.sum().backward()
+    assert (points.grad[0] != 0).any() and (points.grad[1:] == 0).all()
+    assert vertices.grad.isfinite().all() and vertices.grad.abs().sum() > 0.5
+    assert sample(field, torch.zeros(0, 3), surface=surface, vertices=vertices).shape == (0,)
+
+
+def test_samples_of_arguments_that_make_no_sense():
+    torch = load("torch")
+    from raymap.torch import sample
+
+    surface, field = make_field(raymap.load_mesh("tetrahedron.ply"))
+    points, vertices = torch.zeros(1, 3), torch.tensor(surface.mesh.vertices)
+    with pytest.raises(TypeError, match=r"field must be a raymap.Field, not a Surface"):
+        sample(surface, points)
+    with pytest.raises(raymap.UsageError, match="surface and vertices belong together"):
+        sample(field, points, vertices=vertices)
+    with pytest.raises(TypeError, match="points must be a tensor, not list"):
+        sample(field, [0, 0, 0])
+    with pytest.raises(raymap.InputError, match="points must be"):
+        sample(field, torch.zeros(2, 2))
+    field.distance[1, 2, 3] *= 1.001
+    at = torch.tensor(field.origin + field.spacing * np.array((1.5, 2.5, 2.5)))
+    with pytest.raises(raymap.InputError, match=r"field: sample \(1, 2, 3\) is .* make the field by the generate of this"):
+        sample(field, at, surface=surface, vertices=vertices)
+
+
 def run(program: str) -> subprocess.CompletedProcess[str]:
     return subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=False)
 
