@@ -20,8 +20,9 @@ ROOT = Path(__file__).parents[2]
 # A shell starts what runs in the background with Ctrl-C ignored. The tests need it, also in the processes they start.
 signal.signal(signal.SIGINT, signal.default_int_handler)
 
-# Dask gives up nothing that is slow, in this process and in those that tests start.
-os.environ |= {"DASK_DISTRIBUTED__COMM__TIMEOUTS__CONNECT": "3600", "DASK_DISTRIBUTED__SCHEDULER__WORKER_TTL": "None"}
+# Dask gives up nothing that is slow, in this process and in those that tests start. But a scheduler asks a worker that was
+# killed before it gave its last result for so many seconds, before another worker makes that result again.
+os.environ |= {"DASK_DISTRIBUTED__COMM__TIMEOUTS__CONNECT": "60", "DASK_DISTRIBUTED__SCHEDULER__WORKER_TTL": "None"}
 
 
 def make_ball(subdivisions: int = 3) -> tuple[np.ndarray, np.ndarray]:
