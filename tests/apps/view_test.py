@@ -569,8 +569,8 @@ class ViewTest(unittest.TestCase):
             return int(pathlib.Path(f"/proc/{window.process.pid}/status").read_text().split("VmRSS:")[1].split()[0])
 
         # What is kept of each frame makes every part grow. Threads reserve memory in some parts only.
-        parts = np.diff([memory(frames) for frames in range(250, 2251, 500)])
-        self.assertLess(parts.min(), 1024, parts)  # 2 kB a frame; its picture alone has 9
+        parts = np.diff([memory(frames) for frames in range(250, 1251, 250)])
+        self.assertLess(parts.min(), 512, parts)  # 2 kB a frame; its picture alone has 9
         self.close()
 
     def test_says_why_there_is_no_window(self):
