@@ -20,6 +20,15 @@ def usage():
     return time.monotonic(), u.ru_utime + u.ru_stime, int(peak[1]) / 1024
 
 
+def measured(run):
+    """Returns what a function returns, and what it cost: seconds, seconds of CPU time, and megabytes at most."""
+    pathlib.Path("/proc/self/clear_refs").write_text("5")  # Resets the peak.
+    before = usage()
+    values = run()
+    after = usage()
+    return values, {name: after[k] - before[k] for k, name in enumerate(("wall", "cpu", "megabytes"))}
+
+
 def read_mesh(name):
     """Reads the files that `exportMesh` wrote."""
     import numpy as np
@@ -109,14 +118,10 @@ def main():
 
     vertices, triangles = read_mesh(arguments.mesh)
     run = METHODS[arguments.method](vertices, triangles, arguments.case, arguments.threads)
-    pathlib.Path("/proc/self/clear_refs").write_text("5")  # Resets the peak.
-    before = usage()
-    values = run()
-    after = usage()
-    wall, cpu, megabytes = (b - a for a, b in zip(before, after))
+    values, cost = measured(run)
     if arguments.output:
         np.ascontiguousarray(values, np.float32).tofile(arguments.output)
-    print(json.dumps({**arguments.case, "wall": wall, "cpu": cpu, "megabytes": megabytes}))
+    print(json.dumps({**arguments.case, **cost}))
 
 
 if __name__ == "__main__":

@@ -3,10 +3,10 @@
 workload.py FOLDER OUT [--points 250000] [--samples 64] [--only TEXT] [--methods raymap,pysdf] [--limit 120] [--threads 2]
             [--every 1]
 
-FOLDER holds meshes and MESHES.tsv; `--every 3` takes each third. Half of the points are uniform in the box, half lie near the surface. Every package gets
-the triangles as Raymap reads them, scaled as mesh2sdf wants them: the longest side of the bounds reaches from -0.8 to 0.8, and
-sample i of the grid lies at -1 + 2 i / samples. Each run is a process of its own, which is stopped after `--limit` seconds.
-CPU time counts from arrays in memory to arrays in memory.
+FOLDER holds meshes and MESHES.tsv; `--every 3` takes each third. Half of the points are uniform in the box, half lie near the
+surface. Every package gets the triangles as Raymap reads them, scaled as mesh2sdf wants them: the longest side of the bounds
+reaches from -0.8 to 0.8, and sample i of the grid lies at -1 + 2 i / samples. Each run is a process of its own, which is stopped
+after `--limit` seconds. CPU time counts from arrays in memory to arrays in memory.
 
 The truth is libigl's exact winding number of the faces as given, in double precision, at 1,000 of the points and of the samples
 each. Its magnitude is above 0.5 inside. Prints tables in markdown, and OUT gets workload.json with a record of each run.
@@ -131,13 +131,10 @@ def run_here(name, case, threads):
     arguments = given["vertices"], given["faces"], given["points"], int(given["samples"]), threads
     tetrahedron = np.float64([(0, 0, 0), (0.5, 0, 0), (0, 0.5, 0), (0, 0, 0.5)]), np.array([(0, 2, 1), (0, 1, 3), (1, 2, 3), (0, 3, 2)])
     METHODS[name](*tetrahedron, given["points"][:9], 8, threads)  # Imports what it needs, and starts its threads.
-    pathlib.Path("/proc/self/clear_refs").write_text("5")  # Resets the peak.
-    before = peers.usage()
-    points, grid = METHODS[name](*arguments)
-    after = peers.usage()
+    (points, grid), cost = peers.measured(lambda: METHODS[name](*arguments))
     parts = {"grid": np.ravel(grid)} | ({} if points is None else {"points": np.ravel(points)})
     np.savez(case.with_suffix(f".{name}.npz"), **parts)
-    print(json.dumps({"wall": after[0] - before[0], "cpu": after[1] - before[1], "megabytes": after[2] - before[2]}))
+    print(json.dumps(cost))
 
 
 def make_case(file, path, given):
@@ -233,6 +230,9 @@ def main():
     if given.run:
         run_here(given.run, given.folder, given.threads)
         return
+    unknown = [name for name in given.methods if name not in METHODS]
+    if unknown or "raymap" not in given.methods:
+        parser.error(f"--methods takes raymap and others of {', '.join(METHODS)}")
     given.out.mkdir(parents=True, exist_ok=True)
     meshes = {}
     for number, row in enumerate(mesh_rows(given.folder)):
