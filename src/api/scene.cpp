@@ -25,37 +25,84 @@ constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr size_t kPointsAtOnce = size_t{1} << 19, kPointsPerTask = 4096;
 
 /// Bounds are lowered by this share of the body's diagonal and of the distance. Distances of a surface are
-/// within a fourth of that.
+/// within a fourth of that, and those of a field within a tenth.
 constexpr double kInexact = 4e-6;
 
 /// Nothing is known of distances whose squares overflow.
 constexpr double kFarthestBound = 1e150;
 
-/// A surface and a bound on its distance.
+/// Returns how far a point lies beyond a box along each axis; negative between its sides.
+glm::dvec3 beyond(const Box& box, const glm::dvec3& p) {
+  return glm::max(box.min - p, p - box.max);
+}
+
+double largest(const glm::dvec3& v) {
+  return std::max({v.x, v.y, v.z});
+}
+
+double slackOf(const Box& box) {
+  return kInexact * glm::length(box.size());
+}
+
+/// Lowers a bound by what distances may be wrong by.
+double lowered(double bound, double slack) {
+  return bound < kFarthestBound ? bound - kInexact * std::abs(bound) - slack : -INFINITY;
+}
+
+// Bodies, each with a lower bound on its signed distance at a point of its coordinates.
+
 struct SurfaceShape {
+  SurfaceShape(std::shared_ptr<const Surface> given, double reach)
+      : surface(std::move(given)),
+        bounds(raymap::bounds(surface->mesh())),
+        slack(slackOf(bounds)),
+        insideReach(reach) {}
+
+  /// Faces without boundary edges lie between each point inside and all sides of the bounds.
+  double lowerBound(const glm::dvec3& p) const {
+    const glm::dvec3 past = beyond(bounds, p);
+    const double toBounds = glm::length(glm::max(past, 0.0)) + std::min(largest(past), 0.0);
+    return insideReach > 0.0 && toBounds <= insideReach ? -INFINITY : lowered(toBounds, slack);
+  }
+
   std::shared_ptr<const Surface> surface;
   Box bounds;
   double slack;        ///< Bound on the errors of distances near the surface.
   double insideReach;  ///< See `Surface::insideReach`.
-
-  /// Returns a lower bound on the signed distance at a point of the body's coordinates. Faces without
-  /// boundary edges lie between each point inside and all sides of the bounds.
-  double lowerBound(const glm::dvec3& p) const {
-    const glm::dvec3 beyond = glm::max(bounds.min - p, p - bounds.max);
-    const double inside = std::min(std::max({beyond.x, beyond.y, beyond.z}), 0.0),
-                 toBounds = glm::length(glm::max(beyond, 0.0)) + inside;
-    if (!(toBounds < kFarthestBound) || (insideReach > 0.0 && toBounds <= insideReach)) return -INFINITY;
-    return toBounds - kInexact * std::abs(toBounds) - slack;
-  }
 };
 
-using Shape = std::variant<SurfaceShape, std::shared_ptr<const Field>, std::shared_ptr<const SparseField>>;
+/// A dense field or a narrow band.
+template <class AnyField>
+struct FieldShape {
+  explicit FieldShape(std::shared_ptr<const AnyField> given)
+      : field(std::move(given)),
+        samples{field->grid.origin, field->grid.position(field->grid.dims - 1)},
+        slack(slackOf(samples)),
+        isBounded(!field->surfaceBounds.isEmpty() &&
+                  std::ranges::none_of(field->distance, [](float d) { return std::isnan(d); })) {}
+
+  /// Beyond its samples, a field is at least as far as the bounds of its surface.
+  double lowerBound(const glm::dvec3& p) const {
+    if (!isBounded || !(largest(beyond(samples, p)) > slack)) return -INFINITY;
+    const double toBounds = glm::length(glm::max(beyond(field->surfaceBounds, p), 0.0));
+    return toBounds > slack ? lowered(toBounds, slack) : -INFINITY;
+  }
+
+  std::shared_ptr<const AnyField> field;
+  Box samples;     ///< Box of the samples.
+  double slack;    ///< Bound on the rounding of positions and distances.
+  bool isBounded;  ///< Whether the bounds of the surface are known, and no distance is NaN.
+};
+
+using Shape = std::variant<SurfaceShape, FieldShape<Field>, FieldShape<SparseField>>;
 
 struct Body {
   std::string name;
   Shape shape;
 
-  const SurfaceShape* surface() const { return std::get_if<SurfaceShape>(&shape); }
+  double lowerBound(const glm::dvec3& p) const {
+    return std::visit([&](const auto& of) { return of.lowerBound(p); }, shape);
+  }
 };
 
 /// Answers of a body at some points, in its coordinates.
@@ -70,9 +117,9 @@ void ask(const SurfaceShape& shape, const Buffer<glm::dvec3>& points, const Scen
 }
 
 template <class AnyField>
-void ask(const std::shared_ptr<const AnyField>& field, const Buffer<glm::dvec3>& points,
-         const SceneOptions& options, BodyAnswers& answers) {
-  sample(*field, points, {.gradients = options.closest || options.gradient}, answers.field);
+void ask(const FieldShape<AnyField>& shape, const Buffer<glm::dvec3>& points, const SceneOptions& options,
+         BodyAnswers& answers) {
+  sample(*shape.field, points, {.gradients = options.closest || options.gradient}, answers.field);
 }
 
 /// Answer of a body at a point, in the world.
@@ -94,8 +141,8 @@ Answer answerAt(const SurfaceShape&, const BodyAnswers& answers, size_t i, const
 }
 
 template <class AnyField>
-Answer answerAt(const std::shared_ptr<const AnyField>&, const BodyAnswers& answers, size_t i,
-                const glm::dmat4& pose, const glm::dvec3& point, const SceneOptions&) {
+Answer answerAt(const FieldShape<AnyField>&, const BodyAnswers& answers, size_t i, const glm::dmat4& pose,
+                const glm::dvec3& point, const SceneOptions&) {
   const Samples& found = answers.field;
   Answer answer{.distance = found.distance[i]};
   if (found.gradient.empty()) return answer;
@@ -175,25 +222,22 @@ class SceneQuery {
     });
   }
 
-  /// Asks of each point the fields, the surface of the least lower bound, and then the other surfaces whose
-  /// bounds are not above what was found.
+  /// Asks of each point the body of the least lower bound, and then the others whose bounds are not above
+  /// what was found.
   void visitPromising(Progress& progress) {
     findFirst();
     for (const bool isFirst : {true, false})
       for (uint32_t b = 0; b < bodies_.size(); ++b) {
-        if (bodies_[b].surface())
-          visit(b, [&](size_t k) { return (first_[k] == b) == isFirst && lowerBound(k, b) <= least_[k]; });
-        else if (isFirst)
-          visit(b, [&](size_t k) { return cpu::isFinite(world_[k]); });
+        visit(b, [&](size_t k) { return (first_[k] == b) == isFirst && lowerBound(k, b) <= least_[k]; });
         progress.report((double(b + 1) / double(bodies_.size()) + (isFirst ? 0.0 : 1.0)) / 2.0);
       }
   }
 
   double lowerBound(size_t k, size_t body) const {
-    return bodies_[body].surface()->lowerBound(movedBack(pose(k, body), world_[k]));
+    return bodies_[body].lowerBound(movedBack(pose(k, body), world_[k]));
   }
 
-  /// Finds the surface of the least lower bound for each point.
+  /// Finds the body of the least lower bound for each point.
   void findFirst() {
     first_.resizeUninitialized(world_.size());
     parallelFor(world_.size(), kPointsPerTask, [&](size_t begin, size_t end) {
@@ -201,7 +245,6 @@ class SceneQuery {
         first_[k] = kNoBody;
         double least = INFINITY;
         for (uint32_t b = 0; b < bodies_.size(); ++b) {
-          if (!bodies_[b].surface()) continue;
           const double bound = lowerBound(k, b);
           if (bound < least) least = bound, first_[k] = b;
         }
@@ -256,7 +299,7 @@ class SceneQuery {
   Buffer<glm::dvec3> world_;
   Buffer<double> least_;      // distance found so far
   Buffer<uint32_t> nearest_;  // body that has it
-  Buffer<uint32_t> first_;    // surface of the least lower bound
+  Buffer<uint32_t> first_;    // body of the least lower bound
   Buffer<glm::dvec3> inBody_;
   BodyAnswers answers_;
 };
@@ -277,6 +320,12 @@ struct Scene::Impl {
     return size_t(at - bodies.begin());
   }
   void add(std::string name, Shape shape, const glm::dmat4& pose);
+  template <class AnyField>
+  void addField(std::string name, std::shared_ptr<const AnyField> field, const glm::dmat4& pose) {
+    require(field != nullptr, "body '" + name + "' has no field");
+    validateField(*field);
+    add(std::move(name), FieldShape<AnyField>(std::move(field)), pose);
+  }
   /// Throws unless there are this many poses of each body, all of them rigid.
   void check(const Configurations& configurations) const;
 
@@ -319,21 +368,16 @@ Scene& Scene::operator=(Scene&&) noexcept = default;
 
 void Scene::add(std::string name, std::shared_ptr<const Surface> surface, const glm::dmat4& pose) {
   require(surface != nullptr, "body '" + name + "' has no surface");
-  const Box box = bounds(surface->mesh());
-  const double slack = kInexact * glm::length(box.size()), reach = surface->insideReach();
-  impl_->add(std::move(name), SurfaceShape{std::move(surface), box, slack, reach}, pose);
+  const double reach = surface->insideReach();
+  impl_->add(std::move(name), SurfaceShape(std::move(surface), reach), pose);
 }
 
 void Scene::add(std::string name, std::shared_ptr<const Field> field, const glm::dmat4& pose) {
-  require(field != nullptr, "body '" + name + "' has no field");
-  validateField(*field);
-  impl_->add(std::move(name), std::move(field), pose);
+  impl_->addField(std::move(name), std::move(field), pose);
 }
 
 void Scene::add(std::string name, std::shared_ptr<const SparseField> field, const glm::dmat4& pose) {
-  require(field != nullptr, "body '" + name + "' has no field");
-  validateField(*field);
-  impl_->add(std::move(name), std::move(field), pose);
+  impl_->addField(std::move(name), std::move(field), pose);
 }
 
 void Scene::remove(std::string_view name) {

@@ -115,18 +115,42 @@ TEST(Scene, BodiesAreAsBruteForceSays) {
   for (size_t i = 0; i < points.size(); ++i) ASSERT_NEAR(found.distance[i], least[i], 1e-12);
 }
 
+/// Expects the same answers whether or not bodies are left out.
+void expectSameIfAllAreAsked(const Scene& scene, unsigned seed) {
+  for (const double reach : {1.0, 4.0, 1000.0}) {
+    SCOPED_TRACE(testing::Message() << "seed " << seed << ", points within " << reach);
+    const std::vector<glm::dvec3> points = worldPoints(1500, reach, seed);
+    const SceneResult some = scene.query(points, kUnion), all = scene.query(points, kEachBody);
+    EXPECT_TRUE(sameBits(some.distance, all.distance));
+    EXPECT_TRUE(sameBits(some.body, all.body));
+    EXPECT_TRUE(sameBits(some.closest, all.closest));
+    EXPECT_TRUE(sameBits(some.gradient, all.gradient));
+  }
+}
+
 TEST(Scene, LeavingBodiesOutChangesNoBit) {
+  for (unsigned seed = 0; seed < 3; ++seed) expectSameIfAllAreAsked(variousScene(seed), seed);
+}
+
+TEST(Scene, LeavingFieldsOutChangesNoBit) {
+  const Mesh ball = shapes::sphere(0.8, 2), box = shapes::box({-0.5, -0.3, -1}, {0.5, 0.3, 1});
+  Field unbounded = sceneField(ball);
+  unbounded.surfaceBounds = {};
+  Field clamped = sceneField(box);
+  clamped.clampDistance = 0.1;
+  for (float& d : clamped.distance) d = std::clamp(d, -0.1f, 0.1f);
+  const Grid part = fitGrid(ball, {.resolution = 12, .box = Box{{-0.5, -0.5, -0.5}, {0.5, 0.5, 2}}});
+  const std::vector<std::shared_ptr<const Field>> fields{
+      std::make_shared<const Field>(sceneField(ball)), std::make_shared<const Field>(std::move(unbounded)),
+      std::make_shared<const Field>(std::move(clamped)),
+      std::make_shared<const Field>(generate(ball, part, {}, {.device = "cpu"}).field)};
   for (unsigned seed = 0; seed < 3; ++seed) {
-    const Scene scene = variousScene(seed);
-    for (const double reach : {1.0, 4.0, 1000.0}) {
-      SCOPED_TRACE(testing::Message() << "seed " << seed << ", points within " << reach);
-      const std::vector<glm::dvec3> points = worldPoints(1500, reach, seed);
-      const SceneResult some = scene.query(points, kUnion), all = scene.query(points, kEachBody);
-      EXPECT_TRUE(sameBits(some.distance, all.distance));
-      EXPECT_TRUE(sameBits(some.body, all.body));
-      EXPECT_TRUE(sameBits(some.closest, all.closest));
-      EXPECT_TRUE(sameBits(some.gradient, all.gradient));
-    }
+    const std::vector<glm::dmat4> poses = randomPoses(fields.size() + 2, seed);
+    Scene scene;
+    for (size_t b = 0; b < fields.size(); ++b) scene.add(std::to_string(b), fields[b], poses[b]);
+    scene.add("sparse", std::make_shared<const SparseField>(toSparse(*fields[0])), poses[fields.size()]);
+    scene.add("surface", prepared(box), poses[fields.size() + 1]);
+    expectSameIfAllAreAsked(scene, seed);
   }
 }
 
@@ -302,6 +326,20 @@ TEST(Scene, WhatIsUnknownIsNaN) {
     EXPECT_TRUE(std::isnan(found.closest[3].x));
   }
   EXPECT_LT(found.distances[6], 0.0);
+}
+
+TEST(Scene, ASampleThatIsNaNCountsFarAway) {
+  const Mesh ball = shapes::sphere(1.0, 2);
+  Field torn = sceneField(ball);
+  torn.distance[torn.distance.size() - 1] = NAN;
+  Scene scene;
+  scene.add("ball", prepared(ball), glm::translate(glm::dmat4(1.0), {6.0, 6.0, 6.0}));
+  scene.add("torn", std::make_shared<const Field>(std::move(torn)));
+  const std::vector<glm::dvec3> points{{5, 5, 5}, {5, 5, -5}};
+  const SceneResult found = scene.query(points, kUnion);
+  EXPECT_TRUE(std::isnan(found.distance[0]));
+  EXPECT_EQ(found.body[0], kNoBody);
+  EXPECT_FALSE(std::isnan(found.distance[1]));
 }
 
 TEST(Scene, FarPointsAreFar) {
