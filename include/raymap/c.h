@@ -409,6 +409,13 @@ RAYMAP_API raymap_field* raymap_surface_generate_region(const raymap_surface* su
                                                         const raymap_grid* lattice, const int32_t low[3],
                                                         const int32_t extent[3],
                                                         const raymap_options* options);
+/* Finds the distance that all samples of a region have in its field if they lie beyond "band" on one side,
+ * negative inside. NaN: some samples may lie in the band or on the other side, or there is no band. That
+ * takes a few queries at most. Other options do not count; they may be NULL. */
+RAYMAP_API raymap_result raymap_surface_far_distance(const raymap_surface* surface,
+                                                     const raymap_grid* lattice, const int32_t low[3],
+                                                     const int32_t extent[3], const raymap_options* options,
+                                                     double* distance);
 /* Finds the most bytes that the surface and a region of this extent hold together while it is made. Of the
  * options, "triangle", "winding", "confidence" and "threads" count; they may be NULL. */
 RAYMAP_API raymap_result raymap_surface_region_bytes(const raymap_surface* surface, const int32_t extent[3],

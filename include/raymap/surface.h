@@ -9,6 +9,7 @@
 #include <raymap/sparse_field.h>
 
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -60,6 +61,12 @@ class RAYMAP_API Surface {
   /// Memory, Cancelled.
   Field generateRegion(const Grid& lattice, const Region& region, const RegionOptions& options = {},
                        const MachineOptions& machine = {}) const;
+  /// Returns the distance that all samples of a region have in its field if they lie beyond the band on one
+  /// side: `options.band` samples, negative inside. Takes a few queries at most, so that huge lattices can be
+  /// passed over quickly. Nothing: some samples may lie in the band or on the other side, or there is no
+  /// band. Throws `Error(Usage)` as `generateRegion` does.
+  std::optional<double> farDistance(const Grid& lattice, const Region& region,
+                                    const RegionOptions& options) const;
   /// Returns the most bytes that the surface and a region of this size hold together while the region is
   /// made. `machine.threads` counts. Throws `Error(Usage)` for a size without samples.
   size_t regionBytes(const glm::ivec3& size, const RegionOptions& options = {},

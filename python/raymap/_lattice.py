@@ -22,7 +22,6 @@ from ._errors import MemoryLimitError, UsageError
 from ._generate import SurfaceFieldOptions, fit_grid
 from ._mesh import Mesh, core_of
 from ._records import Orientation
-from ._repair import info
 from ._surface import Surface
 
 Whole3 = tuple[int, int, int]
@@ -141,10 +140,6 @@ class Prepared(NamedTuple):
     """A surface, and what was found out while it was made."""
 
     surface: Surface
-    diagonal: float
-    """That of the mesh's bounds."""
-    is_whole: bool
-    """Whether the sign changes at the surface alone."""
     available: int
     """Bytes of memory that were available before it was made."""
 
@@ -194,19 +189,7 @@ def _prepare(source: Source, machine: Machine) -> Prepared:
         threads=machine.threads,
         memory_limit=machine.memory_limit,
     )
-    low, high = surface.mesh.bounds
-    is_whole = not source.sign or _is_balanced(surface)
-    return Prepared(surface, float(np.linalg.norm(high - low)), is_whole, available)
-
-
-def _is_balanced(surface: Surface) -> bool:
-    """Returns whether winding numbers are whole: whether the faces, as the sign takes them, use each edge equally often
-    both ways."""
-    faces = surface.mesh.faces.copy()
-    turned = surface.stats["turned_faces"]
-    faces[turned] = faces[turned, ::-1]
-    faces = np.delete(faces, surface.stats["left_out_faces"], axis=0)
-    return info(surface.mesh.vertices, faces, fast=True)["balanced"]
+    return Prepared(surface, available)
 
 
 def box_bytes(dims: Whole3) -> int:
@@ -224,8 +207,7 @@ def distances(
 ) -> npt.NDArray[np.float32]:
     """Returns the distances of a box of the lattice, (nx, ny, nz) with x fastest in memory.
 
-    Each is that of `Surface.query` at its position, rounded to float32, whatever the box. Only one thread works. With a
-    band, a box that holds none of it costs one query, or a few if the mesh is open: its sign may change far from it.
+    Each is that of `Surface.query` at its position, rounded to float32, whatever the box. Only one thread works.
 
     Args:
         prepared: The surface.
@@ -238,15 +220,10 @@ def distances(
     Raises:
         Cancelled: ``stop`` was set.
     """
-    if band is not None and prepared.is_whole and (side := _side(prepared, lattice, low, dims, band)):
-        return np.full(dims, side * band * lattice.spacing, np.float32, order="F")
-    x, y, z = lattice.origin
     region = prepared.surface.generate_region(
         low,
         dims,
-        origin=(x, y, z),
-        spacing=lattice.spacing,
-        dims=lattice.dims,
+        **_given(lattice),
         band=band,
         threads=1,
         progress=None if stop is None else lambda stage, share: not stop.is_set(),
@@ -254,14 +231,13 @@ def distances(
     return region.distance
 
 
-def _side(prepared: Prepared, lattice: Lattice, low: Whole3, dims: Whole3, band: float) -> float:
-    """Returns -1 if a box lies inside and beyond the band, 1 if it lies so outside, else 0. Looks at its centre.
+def is_far_outside(prepared: Prepared, lattice: Lattice, low: Whole3, dims: Whole3, band: float) -> bool:
+    """Returns whether a box lies outside and beyond the band, as far as a few queries tell."""
+    distance = prepared.surface.far_distance(low, dims, **_given(lattice), band=band)
+    return distance is not None and distance > 0
 
-    Distances are right within a millionth of the mesh's diagonal, or of the distance if that is larger.
-    """
-    half = 0.5 * (np.array(dims) - 1)
-    far = (float(np.linalg.norm(half)) + band) * lattice.spacing
-    reach = far + 4e-6 * (far + prepared.diagonal)
-    centre = np.array(lattice.origin) + lattice.spacing * (np.array(low) + half)
-    found = float(prepared.surface.query(centre, max_distance=reach, threads=1).distance)
-    return math.copysign(1.0, found) if abs(found) >= reach else 0.0
+
+def _given(lattice: Lattice) -> dict[str, Any]:
+    """Returns a lattice as the methods of a surface take it."""
+    return {"origin": lattice.origin, "spacing": lattice.spacing, "dims": lattice.dims}
+

@@ -429,10 +429,47 @@ class Surface:
         options = _raymap.RegionOptions()
         options.band = 0.0 if band is None else to_length("band", band)
         set_arrays(options, arrays)
-        first, counts, whole = to_wholes("low", low), to_wholes("size", size, least=1), to_wholes("dims", dims, least=1)
-        start, step, machine = to_vector("origin", origin), to_length("spacing", spacing), to_machine("cpu", threads, memory_limit)
+        box, machine = _to_box(low, size, origin, spacing, dims), to_machine("cpu", threads, memory_limit)
         with reporting(progress) as report:
-            return field_of_core(self._core.generate_region(start, step, whole, first, counts, options, machine, report))
+            return field_of_core(self._core.generate_region(*box, options, machine, report))
+
+    def far_distance(
+        self,
+        low: Iterable[int],
+        size: Iterable[int],
+        *,
+        origin: npt.ArrayLike,
+        spacing: float,
+        dims: Iterable[int],
+        band: float,
+    ) -> float | None:
+        """Returns the distance that all samples of a region have if they lie beyond a band on one side.
+
+        It is what ``generate_region`` gives each of them: ``band * spacing``, or minus that inside. Takes a few queries at
+        most, so that most of a huge lattice can be passed over quickly. Releases the lock of Python.
+
+        Args:
+            low: First sample of the region, (i, j, k).
+            size: Number of samples of the region along x, y and z.
+            origin: Position of sample (0, 0, 0) of the lattice, in the mesh's units.
+            spacing: Distance between samples, in the mesh's units.
+            dims: Number of samples of the lattice along x, y and z, up to 2**24 each.
+            band: Number of samples at which distances are clamped.
+
+        Returns:
+            The distance in the mesh's units. None: some samples may lie in the band or on the other side.
+
+        Raises:
+            UsageError: A region that does not lie on the lattice, or numbers that make no sense.
+
+        >>> surface = raymap.Surface("ball.ply")
+        >>> lattice = dict(origin=(-2, -2, -2), spacing=0.25, dims=(17, 17, 17))
+        >>> surface.far_distance((0, 0, 0), (2, 2, 2), band=2, **lattice), surface.far_distance((0, 0, 0), (9, 9, 9), band=2, **lattice)
+        (0.5, None)
+        """
+        options = _raymap.RegionOptions()
+        options.band = to_length("band", band)
+        return self._core.far_distance(*_to_box(low, size, origin, spacing, dims), options)
 
     def thickness(
         self,
@@ -588,6 +625,19 @@ def sample_faces(mesh_or_vertices: Any, faces: Any = None, *, step: float) -> Fa
 
 def _limits(max_thickness: float | None, threads: int | None) -> tuple[float, _raymap.MachineOptions]:
     return math.inf if max_thickness is None else to_number("max_thickness", max_thickness), to_machine("cpu", threads)
+
+
+def _to_box(
+    low: Iterable[int], size: Iterable[int], origin: npt.ArrayLike, spacing: float, dims: Iterable[int]
+) -> tuple[Any, ...]:
+    """Returns a lattice and a region of it as the extension module takes them."""
+    return (
+        to_vector("origin", origin),
+        to_length("spacing", spacing),
+        to_wholes("dims", dims, least=1),
+        to_wholes("low", low),
+        to_wholes("size", size, least=1),
+    )
 
 
 def core_of_surface(surface: Surface) -> _raymap.Surface:

@@ -68,8 +68,7 @@ def field(
     once, and its threads share it. Each chunk is computed by one thread. A sample has the distance of
     ``raymap.Surface.query`` at its position, ``origin + spacing * (i, j, k)``, rounded to float32, whatever the chunks.
 
-    With a band, the time grows with the surface: a chunk that holds none of it costs a query. The sign of an open mesh
-    may change far from its surface, so there a chunk costs some more.
+    With a band, the time grows with the surface: a chunk that holds none of it costs a few queries.
 
     Args:
         mesh: A mesh or path as for ``raymap.Surface``. Workers get its arrays, so they need no file.

@@ -58,6 +58,13 @@ std::shared_ptr<FieldHandle> generateRegion(const Surface& self, const Triple& o
   return result;
 }
 
+std::optional<double> farDistance(const Surface& self, const Triple& origin, double spacing,
+                                  const std::tuple<int, int, int>& dims, const std::tuple<int, int, int>& low,
+                                  const std::tuple<int, int, int>& size, const RegionOptions& options) {
+  const nb::gil_scoped_release released;
+  return self.farDistance({toWhole(dims), toVector(origin), spacing}, {toWhole(low), toWhole(size)}, options);
+}
+
 /// Returns the arrays that the options ask for, by name.
 nb::dict toDict(QueryResult result, const QueryOptions& options, size_t count) {
   nb::dict dict;
@@ -138,6 +145,7 @@ void bindSurface(nb::module_& module) {
       .def("generate_sparse", &generateSparse, "grid"_a, "options"_a, "machine"_a, "progress"_a.none())
       .def("generate_region", &generateRegion, "origin"_a, "spacing"_a, "dims"_a, "low"_a, "size"_a,
            "options"_a, "machine"_a, "progress"_a.none())
+      .def("far_distance", &farDistance, "origin"_a, "spacing"_a, "dims"_a, "low"_a, "size"_a, "options"_a)
       .def("query", &query<float>, "points"_a.noconvert(), "options"_a, "machine"_a, "progress"_a.none())
       .def("query", &query<double>, "points"_a.noconvert(), "options"_a, "machine"_a, "progress"_a.none())
       .def("stats", [](const Surface& self) { return toPython(self.stats()); })

@@ -67,31 +67,6 @@ def test_unsigned_fields_and_their_lattice() -> None:
     assert (field.origin == like.origin).all() and field.clamp_distance == 2 * field.spacing
 
 
-@pytest.mark.parametrize("name", MESHES)
-def test_far_chunks_cost_one_look(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    made = []
-    generate_region = raymap.Surface.generate_region
-
-    def counted(self: raymap.Surface, low: tuple, *arguments, **options) -> raymap.Field:
-        made.append(low)
-        return generate_region(self, low, *arguments, **options)
-
-    monkeypatch.setattr(raymap.Surface, "generate_region", counted)
-    mesh = MESHES[name]()
-    field = raymap.dask.field(mesh, chunks=8, band=1, **SIZES)
-    found = field.distance.compute(scheduler="synchronous")
-    np.testing.assert_array_equal(found, truth(field, mesh))
-    low = np.array(made)
-    ends = np.minimum(low + 8, found.shape)
-    radius = field.spacing * (np.linalg.norm((ends - 1 - low) / 2, axis=1) + 1)
-    centres = np.array(field.origin) + field.spacing * (low + ends - 1) / 2
-    distance = raymap.Surface(mesh, sign=False).signed_distance(centres)
-    if name == "open":
-        assert len(made) == field.distance.npartitions
-    else:
-        assert (distance < 1.001 * radius).all() and len(made) < field.distance.npartitions
-
-
 def test_thin_parts_of_huge_lattices_far_from_zero() -> None:
     """Lattices of more than 2^31 and 2^32 samples, at coordinates of 1e7."""
     vertices, faces = make_ball(2)

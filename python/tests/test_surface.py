@@ -394,6 +394,19 @@ def test_regions_have_what_queries_give(surface):
     assert right_in_threads(lambda k: np.array_equal(surface.generate_region(low, size, **LATTICE).distance, field.distance))
 
 
+def test_far_regions_have_one_distance(surface):
+    found = {}
+    for low in np.ndindex(7, 6, 6):
+        box = (tuple(8 * k for k in low), (8, 8, 8))
+        found[low] = surface.far_distance(*box, band=1, **LATTICE)
+        if found[low] is not None:
+            assert (surface.generate_region(*box, band=1, **LATTICE).distance == np.float32(found[low])).all()
+    assert set(found.values()) == {LATTICE["spacing"], -LATTICE["spacing"], None}
+    for changes in {"band": 0}, {"dims": (9, 4, 9)}, {"spacing": -1}:
+        with pytest.raises(raymap.UsageError):
+            surface.far_distance((1, 1, 1), (4, 4, 4), **{"band": 1, **LATTICE, **changes})
+
+
 def test_regions_lie_on_huge_lattices(surface):
     side = 2**24
     lattice = {"origin": (-1.0, -1.0, -1.0), "spacing": 2 / side, "dims": (side,) * 3}

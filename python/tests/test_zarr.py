@@ -68,6 +68,27 @@ def test_levels_hold_what_the_surface_says_at_their_positions(band: float | None
     assert (own["complete"], own["inside"], own["band"], own["unit"]) == (True, "negative", band, "millimeter")
 
 
+@pytest.mark.parametrize("top", [2, 0])
+def test_far_shards_are_passed_over(top: float, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Those of an open mesh, too, whose sign may change far from its surface."""
+    made, ball = [], raymap.load_mesh("ball.ply")
+    generate_region = raymap.Surface.generate_region
+
+    def counted(self: raymap.Surface, low: tuple, *arguments, **options) -> raymap.Field:
+        made.append(low)
+        return generate_region(self, low, *arguments, **options)
+
+    monkeypatch.setattr(raymap.Surface, "generate_region", counted)
+    mesh = raymap.Mesh(ball.vertices, ball.faces[ball.vertices[ball.faces, 2].mean(axis=1) < top])
+    summary = generate(mesh=mesh, bounds=((-3, -3, -3), (3, 3, 3)), band=1, shards=8)
+    assert summary.shards == 216 and summary.shards - summary.outside <= len(made) <= 30
+    array = zarr.open_array("out.zarr/0", mode="r")
+    step = 6 / 44
+    positions = step * (np.stack(np.indices(array.shape), axis=-1)[..., ::-1] - 21.5)
+    distance = raymap.Surface(mesh).query(positions, max_distance=step).distance
+    np.testing.assert_allclose(array[:], distance, atol=1e-6)
+
+
 def test_a_second_run_makes_what_is_missing() -> None:
     assert generate().new == 12
     whole, before = without_lock(), identities("out.zarr")

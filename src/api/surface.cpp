@@ -164,7 +164,7 @@ SparseField Surface::generateBand(const Grid& grid, const BandOptions& options,
   withThreads(machine.threads, [&] {
     band = cpu::makeNarrowBand(impl_->prepared, grid, options, impl_->most(machine), progress);
   });
-  band.surfaceBounds = bounds(impl_->prepared.mesh);
+  band.surfaceBounds = impl_->prepared.bounds;
   warnOfMisfit(stats(), machine.warn);
   const bool hasInside =
       !band.tiles.empty() || std::ranges::any_of(band.distance, [](float d) { return d < 0.0f; });
@@ -182,6 +182,15 @@ Field Surface::generateRegion(const Grid& lattice, const Region& region, const R
               [&] { field = cpu::makeRegion(impl_->prepared, lattice, region, options, progress); });
   warnOfMisfit(stats(), machine.warn);
   return field;
+}
+
+std::optional<double> Surface::farDistance(const Grid& lattice, const Region& region,
+                                           const RegionOptions& options) const {
+  check(lattice, region, options, impl_->prepared.isSigned);
+  std::optional<double> found;
+  if (options.band > 0.0)
+    withThreads(1, [&] { found = cpu::farDistance(impl_->prepared, lattice, region, options.band); });
+  return found;
 }
 
 size_t Surface::regionBytes(const glm::ivec3& size, const RegionOptions& options,

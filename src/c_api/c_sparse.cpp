@@ -42,6 +42,11 @@ std::unique_ptr<raymap_field> own(Field field) {
   return handle;
 }
 
+Region regionOf(const int32_t* low, const int32_t* extent) {
+  return {.low = samplesOf(low, "the first sample of the region"),
+          .size = samplesOf(extent, "the extent of the region")};
+}
+
 std::unique_ptr<raymap_sparse_field> own(SparseField field) {
   auto handle = std::make_unique<raymap_sparse_field>();
   handle->field = std::move(field);
@@ -55,10 +60,19 @@ raymap_field* raymap_surface_generate_region(const raymap_surface* surface, cons
                                              const raymap_options* options) {
   return create([&] {
     const Surface& made = need(surface, "the surface").surface;
-    return own(made.generateRegion(c::fromC(need(lattice, "the lattice")),
-                                   {.low = samplesOf(low, "the first sample of the region"),
-                                    .size = samplesOf(extent, "the extent of the region")},
+    return own(made.generateRegion(c::fromC(need(lattice, "the lattice")), regionOf(low, extent),
                                    regionOptions(options), c::optionsOr(options).machine));
+  });
+}
+
+raymap_result raymap_surface_far_distance(const raymap_surface* surface, const raymap_grid* lattice,
+                                          const int32_t low[3], const int32_t extent[3],
+                                          const raymap_options* options, double* distance) {
+  return guard([&] {
+    const Surface& made = need(surface, "the surface").surface;
+    need(distance, "the distance") = made.farDistance(c::fromC(need(lattice, "the lattice")),
+                                                      regionOf(low, extent), regionOptions(options))
+                                         .value_or(NAN);
   });
 }
 

@@ -481,6 +481,12 @@ static void test_region(void) {
   raymap_field_free(region);
 
   size_t bytes = 0, fewer = 0;
+  double far = 0.0;
+  CHECK(raymap_surface_far_distance(surface, &lattice, low, extent, options, &far) == RAYMAP_OK);
+  CHECK(fabs(far + 4e-5) < 1e-12);
+  CHECK(raymap_surface_far_distance(surface, &lattice, low, extent, NULL, &far) == RAYMAP_OK && isnan(far));
+  CHECK_FAILS(raymap_surface_far_distance(surface, &lattice, lattice.dims, extent, options, &far),
+              RAYMAP_ERROR_USAGE, "region");
   CHECK(raymap_surface_region_bytes(surface, extent, options, &bytes) == RAYMAP_OK);
   CHECK(raymap_surface_region_bytes(surface, extent, NULL, &fewer) == RAYMAP_OK);
   CHECK(fewer > raymap_surface_bytes(surface) && bytes == fewer + 6 * sizeof(float));
@@ -1062,6 +1068,10 @@ static void test_null_of_bands(const raymap_surface* surface, const raymap_grid*
   CHECK_FAILS(raymap_surface_generate_region(surface, NULL, whole, whole, NULL), usage, "lattice is NULL");
   CHECK_FAILS(raymap_surface_generate_region(surface, grid, NULL, whole, NULL), usage, "sample of the region is NULL");
   CHECK_FAILS(raymap_surface_generate_region(surface, grid, whole, NULL, NULL), usage, "extent of the region is NULL");
+  double far = 0.0;
+  CHECK(raymap_surface_far_distance(NULL, grid, whole, whole, NULL, &far) == usage);
+  CHECK(raymap_surface_far_distance(surface, NULL, whole, whole, NULL, &far) == usage);
+  CHECK(raymap_surface_far_distance(surface, grid, whole, whole, NULL, NULL) == usage);
   CHECK(raymap_surface_region_bytes(NULL, whole, NULL, &bytes) == usage);
   CHECK(raymap_surface_region_bytes(surface, whole, NULL, NULL) == usage);
   CHECK(raymap_field_to_sparse(NULL, NULL, NULL) == NULL && raymap_sparse_field_to_dense(NULL, NULL) == NULL);

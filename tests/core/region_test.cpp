@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <optional>
 #include <thread>
 
 #include "any_threads.h"
@@ -115,6 +116,54 @@ TEST(Region, DoesNotDependOnTheThreads) {
   EXPECT_TRUE(same(one.triangle, many.triangle));
   EXPECT_TRUE(same(one.winding, many.winding));
   EXPECT_TRUE(same(one.confidence, many.confidence));
+}
+
+/// Expects that all samples of a box have the distance, if there is one. Returns it.
+std::optional<double> expectFar(const Surface& surface, const Grid& lattice, const Region& region,
+                                double band) {
+  const RegionOptions options{.band = band};
+  const std::optional<double> far = surface.farDistance(lattice, region, options);
+  if (far) {
+    EXPECT_EQ(std::abs(*far), band * lattice.spacing);
+    for (const float d : surface.generateRegion(lattice, region, options).distance) EXPECT_EQ(d, float(*far));
+  }
+  return far;
+}
+
+TEST(Region, OneDistanceHoldsForAllOfAFarBox) {
+  for (const Mesh& mesh : {shapes::sphere(1.0, 3), openTorus(), openBox(), shapes::soup(60, 3)}) {
+    const Surface surface(mesh), unsignedOne(mesh, {.sign = SignMode::None});
+    const Grid lattice = fitGrid(mesh, {.resolution = 60, .padding = 1.0});
+    size_t far = 0;
+    for (const int side : {4, 7, 8, 13}) {
+      for (int z = 0; z < lattice.dims.z; z += side)
+        for (int y = 0; y < lattice.dims.y; y += side)
+          for (int x = 0; x < lattice.dims.x; x += side) {
+            const glm::ivec3 low(x, y, z);
+            const Region region{low, glm::min(glm::ivec3(side), lattice.dims - low)};
+            if (expectFar(surface, lattice, region, 1.5)) ++far;
+            const std::optional<double> apart = expectFar(unsignedOne, lattice, region, 1.5);
+            EXPECT_TRUE(!apart || *apart > 0.0);
+          }
+    }
+    EXPECT_GT(far, 1000u);
+  }
+}
+
+TEST(Region, KnowsOnWhichSideAFarBoxLies) {
+  const Surface surface(shapes::sphere(1.0, 3));
+  const Grid lattice{.dims = {1000, 1000, 1000}, .origin = {-2.0, -2.0, -2.0}, .spacing = 0.004};
+  const auto at = [&](int low, int size, double band) {
+    return surface.farDistance(lattice, {glm::ivec3(low), glm::ivec3(size)}, {.band = band});
+  };
+  EXPECT_EQ(at(0, 128, 3.0), 3.0 * lattice.spacing);
+  EXPECT_EQ(at(450, 100, 2.0), -2.0 * lattice.spacing);
+  EXPECT_EQ(at(500, 1, 2.0), -2.0 * lattice.spacing);
+  EXPECT_FALSE(at(450, 100, 150.0));
+  EXPECT_FALSE(at(0, 1000, 3.0));
+  EXPECT_FALSE(at(640, 16, 3.0));  // The surface.
+  EXPECT_FALSE(at(0, 128, 0.0));
+  EXPECT_EQ(codeOf([&] { at(990, 20, 3.0); }), ErrorCode::Usage);
 }
 
 // Lattices of more than 2^31, 2^32 and 2^64 samples.

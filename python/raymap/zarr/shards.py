@@ -8,7 +8,7 @@ import threading
 import numpy as np
 import numpy.typing as npt
 
-from .._lattice import Machine, Source, box_bytes, distances, prepare, this_machine
+from .._lattice import Machine, Source, box_bytes, distances, is_far_outside, prepare, this_machine
 from .._raymap import write_whole
 from .._whole_file import file_errors
 from .codecs import ShardWriter, compressed, zarr_package
@@ -46,6 +46,8 @@ def make_shard(
     check_worker(store, machine.name)
     prepared = prepare(source, machine, shard_bytes(store))
     level, low, dims = store.box(name)
+    if level.band is not None and is_far_outside(prepared, level.lattice, low, dims, level.band):
+        return True
     values = distances(prepared, level.lattice, low, dims, level.band, stop)
     if (values == level.outside).all():
         return True

@@ -134,7 +134,8 @@ PreparedSurface prepareUnsigned(const PackedMesh& mesh, const Grid& grid) {
 PreparedSurface prepareSurface(const PackedMesh& mesh, const SurfaceOptions& options,
                                const MachineOptions& machine, size_t meshBytes, Progress& progress,
                                Stats& stats) {
-  const Grid grid = fitGrid(mesh, {.resolution = latticeResolution(mesh.triangles.size())});
+  const Box box = bounds(MeshView(mesh));
+  const Grid grid = fitGrid(box, {.resolution = latticeResolution(mesh.triangles.size())});
   PreparedSurface surface;
   if (options.sign != SignMode::None) {
     surface = prepareSigned(mesh, grid, options, machine, meshBytes, progress, stats);
@@ -142,6 +143,7 @@ PreparedSurface prepareSurface(const PackedMesh& mesh, const SurfaceOptions& opt
     progress.stage("tree", [&] { surface = prepareUnsigned(mesh, grid); });
     stats.device = "cpu";
   }
+  surface.bounds = box;
   stats.stages.clear();
   addStages(progress, stats);
   return surface;

@@ -17,6 +17,7 @@ namespace raymap::cpu {
 /// A mesh prepared for queries, which change nothing in it. Refers to the mesh's arrays.
 struct PreparedSurface {
   PackedMesh mesh;
+  Box bounds;        ///< Those of the mesh.
   Grid grid;         ///< Grid in whose cells the trees are.
   SurfaceTree tree;  ///< Faces as given; only one of each pair of double-sided ones.
   bool isSigned = false;

@@ -1,5 +1,5 @@
 // Fields of a part of a lattice, whose samples are queried block by block, one thread a block. With a band,
-// blocks and cubes in them that lie wholly beyond it cost one query each.
+// cubes of any size that lie wholly beyond it cost one query each.
 
 #include "cpu/points/region.h"
 
@@ -16,7 +16,6 @@ namespace {
 
 constexpr int kSide = LatticeQuery::kSide;
 constexpr int kSideOfBlock = LatticeQuery::kDistanceSide;
-constexpr size_t kBlocksAtOnce = 4096;
 
 /// Returns a corner of the grid of 4 x 4 x 4 unit cubes, numbered along a Morton curve.
 glm::ivec3 placeInBlock(int number) {
@@ -33,12 +32,10 @@ class RegionMaker {
         options_(options),
         progress_(progress),
         high_(region.low + region.size),
-        firstPair_(region.low / (2 * kSideOfBlock)),
-        pairs_((high_ - 1) / (2 * kSideOfBlock) - firstPair_ + 1),
         band_{options.band * lattice.spacing, options.band * lattice.spacing} {
     field_.grid = {region.size, lattice.position(glm::dvec3(region.low)), lattice.spacing};
     field_.clampDistance = band_.outside;
-    field_.surfaceBounds = bounds(MeshView(surface.mesh));
+    field_.surfaceBounds = surface.bounds;
   }
 
   Field make() {
@@ -53,35 +50,69 @@ class RegionMaker {
 
  private:
   void fill() {
-    const size_t pairs = size_t(pairs_.x) * size_t(pairs_.y) * size_t(pairs_.z);
-    WorkMeter meter(progress_, 0.0, 1.0, double(8 * pairs));
-    for (size_t begin = 0, end = 0; begin < pairs; begin = end) {
-      end = std::min(begin + kBlocksAtOnce / 8, pairs);
-      const std::vector<glm::ivec3> blocks = blocksOf(begin, end);
-      fillBlocks(blocks, meter);
-      meter.add(8 * (end - begin) - blocks.size());  // Those outside of the region.
+    const std::vector<Cube> blocks = listBlocks();
+    WorkMeter meter(progress_, 0.0, 1.0, double(blocks.size()));
+    const QueryOptions options{.triangle = options_.triangle,
+                               .winding = options_.winding,
+                               .confidence = options_.confidence,
+                               .maxDistance = options_.band > 0.0 ? band_.outside : INFINITY};
+    askInBlocks(surface_, lattice_, region_, options, blocks.size(), meter,
+                [&](LatticeQuery& query, size_t b) {
+                  const auto& [low, at] = blocks[b];
+                  if (at == Side::Unknown)
+                    fillNear(query, low);
+                  else
+                    fillFar(low, kSideOfBlock, at);
+                });
+  }
+
+  /// A cube of samples, and where they lie if they lie beyond the band.
+  struct Cube {
+    glm::ivec3 low;
+    Side at;
+  };
+
+  /// Returns the blocks with samples of the region. One cube that holds the region is halved again and again.
+  std::vector<Cube> listBlocks() const {
+    int side = kSideOfBlock;
+    while (region_.low / side != (high_ - 1) / side) side *= 2;
+    std::vector<Cube> cubes{{region_.low / side * side, Side::Unknown}};
+    findFar(cubes, side);
+    for (; side > kSideOfBlock; side /= 2) {
+      std::vector<Cube> halves;
+      for (const Cube& cube : cubes)
+        for (int one = 0; one < 8; ++one)
+          if (const glm::ivec3 low = cube.low + side / 2 * cornerOf(one); isInRegion(low, side / 2))
+            halves.push_back({low, cube.at});
+      cubes = std::move(halves);
+      findFar(cubes, side / 2);
     }
+    return cubes;
   }
 
-  /// Returns the blocks with samples of the region in the groups of eight numbered [begin, end).
-  std::vector<glm::ivec3> blocksOf(size_t begin, size_t end) const {
-    std::vector<glm::ivec3> blocks;
-    const size_t x = size_t(pairs_.x), y = size_t(pairs_.y);
-    for (size_t pair = begin; pair < end; ++pair)
-      for (int one = 0; one < 8; ++one) {
-        const glm::ivec3 low = 2 * (firstPair_ + glm::ivec3(pair % x, pair / x % y, pair / x / y));
-        addIfInside(kSideOfBlock * (low + cornerOf(one)), kSideOfBlock, blocks);
-      }
-    return blocks;
+  /// Finds which of the cubes that are not known to be far are far.
+  void findFar(std::span<Cube> cubes, int side) const {
+    if (!hasFarCubes()) return;
+    std::vector<glm::ivec3> lows;
+    for (const Cube& cube : cubes)
+      if (cube.at == Side::Unknown) lows.push_back(cube.low);
+    const std::vector<Side> found = sidesOf(lows, side);
+    size_t k = 0;
+    for (Cube& cube : cubes)
+      if (cube.at == Side::Unknown) cube.at = found[k++];
   }
 
-  /// Adds a cube if it holds samples of the region.
-  void addIfInside(const glm::ivec3& cube, int side, std::vector<glm::ivec3>& cubes) const {
-    if (glm::all(glm::lessThan(cube, high_)) && glm::all(glm::greaterThan(cube + side, region_.low)))
-      cubes.push_back(cube);
+  std::vector<Side> sidesOf(std::span<const glm::ivec3> cubes, int side) const {
+    std::vector<Side> sides(cubes.size(), Side::Unknown);
+    Progress quiet;
+    if (hasFarCubes()) FarCubes(surface_, lattice_, band_).find(cubes, side, quiet, sides);
+    return sides;
   }
 
-  void fillBlocks(std::span<const glm::ivec3> blocks, WorkMeter& meter);
+  bool isInRegion(const glm::ivec3& cube, int side) const {
+    return glm::all(glm::lessThan(cube, high_)) && glm::all(glm::greaterThan(cube + side, region_.low));
+  }
+
   void fillNear(LatticeQuery& query, const glm::ivec3& block);
 
   /// Returns whether cubes beyond the band have one value. Winding numbers and confidences still differ
@@ -116,35 +147,17 @@ class RegionMaker {
   const Region& region_;
   const RegionOptions& options_;
   Progress& progress_;
-  glm::ivec3 high_;               ///< After the region's last sample.
-  glm::ivec3 firstPair_, pairs_;  ///< The first group of 2 x 2 x 2 blocks along each axis, and their number.
+  glm::ivec3 high_;  ///< After the region's last sample.
   BandWidths band_;
   Field field_;
 };
 
-/// Fills blocks side by side. Those that share a cube of twice the side follow each other.
-void RegionMaker::fillBlocks(std::span<const glm::ivec3> blocks, WorkMeter& meter) {
-  std::vector<Side> sides(blocks.size(), Side::Unknown);
-  Progress quiet;
-  if (hasFarCubes()) FarCubes(surface_, lattice_, band_).find(blocks, kSideOfBlock, quiet, sides);
-  const QueryOptions options{.triangle = options_.triangle,
-                             .winding = options_.winding,
-                             .confidence = options_.confidence,
-                             .maxDistance = options_.band > 0.0 ? band_.outside : INFINITY};
-  askInBlocks(surface_, lattice_, region_, options, blocks.size(), meter, [&](LatticeQuery& query, size_t b) {
-    if (sides[b] == Side::Unknown)
-      fillNear(query, blocks[b]);
-    else
-      fillFar(blocks[b], kSideOfBlock, sides[b]);
-  });
-}
-
 void RegionMaker::fillNear(LatticeQuery& query, const glm::ivec3& block) {
   std::vector<glm::ivec3> cubes;
-  for (int c = 0; c < 64; ++c) addIfInside(block + kSide * placeInBlock(c), kSide, cubes);
-  std::vector<Side> sides(cubes.size(), Side::Unknown);
-  Progress quiet;
-  if (hasFarCubes()) FarCubes(surface_, lattice_, band_).find(cubes, kSide, quiet, sides);
+  for (int c = 0; c < 64; ++c)
+    if (const glm::ivec3 cube = block + kSide * placeInBlock(c); isInRegion(cube, kSide))
+      cubes.push_back(cube);
+  const std::vector<Side> sides = sidesOf(cubes, kSide);
   std::vector<AskedCube> near;
   for (size_t c = 0; c < cubes.size(); ++c)
     if (sides[c] == Side::Unknown)
@@ -167,6 +180,25 @@ size_t regionBytes(const glm::ivec3& size, const RegionOptions& options) {
                         (options.confidence ? 1 : 0);
   return samples * arrays * sizeof(float) +
          std::min(samples, parallelThreads() * LatticeQuery::kSamplesOfBlock) * LatticeQuery::kBytesPerSample;
+}
+
+std::optional<double> farDistance(const PreparedSurface& surface, const Grid& lattice, const Region& region,
+                                  double band) {
+  const glm::ivec3 last = region.low + region.size - 1;
+  int side = 1;
+  while (glm::any(glm::greaterThan(last / side - region.low / side, glm::ivec3(1)))) side *= 2;
+  std::vector<glm::ivec3> cubes;
+  for (int one = 0; one < 8; ++one)
+    if (const glm::ivec3 cube = region.low / side + cornerOf(one);
+        glm::all(glm::lessThanEqual(cube, last / side)))
+      cubes.push_back(side * cube);
+  std::vector<Side> sides(cubes.size(), Side::Unknown);
+  const double width = band * lattice.spacing;
+  Progress quiet;
+  FarCubes(surface, lattice, {width, width}).find(cubes, side, quiet, sides);
+  if (sides[0] == Side::Unknown || std::ranges::any_of(sides, [&](Side s) { return s != sides[0]; }))
+    return std::nullopt;
+  return sides[0] == Side::Inside ? -width : width;
 }
 
 Field makeRegion(const PreparedSurface& surface, const Grid& lattice, const Region& region,
