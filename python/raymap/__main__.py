@@ -15,17 +15,7 @@ from pathlib import Path
 from typing import Any, get_args
 
 from . import dataset, zarr
-from ._errors import (
-    Cancelled,
-    DeviceLostError,
-    DeviceMemoryError,
-    Error,
-    FileError,
-    InputError,
-    MemoryLimitError,
-    UnsupportedError,
-    UsageError,
-)
+from ._errors import Error, FileError, UsageError, code_of
 from ._frames import Normalization
 from ._records import DistanceMode, Orientation, Sampling, SignMode
 from ._samples import Region
@@ -33,15 +23,15 @@ from .dataset.files import readable
 from .dataset.pages import page_paths
 from .recipes import RecipeName
 
-_EXIT_CODES: dict[type[Error], int] = {  # As those of the program raymap
-    UsageError: 2,
-    InputError: 3,
-    FileError: 4,
-    MemoryLimitError: 5,
-    Cancelled: 6,
-    UnsupportedError: 7,
-    DeviceLostError: 8,
-    DeviceMemoryError: 10,
+_EXIT_CODES = {  # As those of the program raymap
+    "usage": 2,
+    "input": 3,
+    "file": 4,
+    "memory": 5,
+    "cancelled": 6,
+    "unsupported": 7,
+    "device_lost": 8,
+    "device_memory": 10,
 }
 _UNFINISHED = 9
 _STOPPED = 130
@@ -56,7 +46,7 @@ def main(arguments: list[str] | None = None) -> int:
         return _COMMANDS[given.pop("command")](**given)
     except Error as error:
         print(f"raymap: error: {_printable(str(error))}", file=sys.stderr)
-        return _EXIT_CODES.get(type(error), _UNFINISHED)
+        return _EXIT_CODES.get(code_of(error), _UNFINISHED)
     except KeyboardInterrupt:
         print("raymap: stopped; run it again to go on", file=sys.stderr)
         return _STOPPED

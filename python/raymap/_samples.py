@@ -72,12 +72,12 @@ class Mixture:
 
 
 def to_mixture(
-    near: float = 0.94,
-    sigma: float | Iterable[float] = (0.0025, 0.00025),
-    surface: float = 0.0,
-    region: Region = "sphere",
-    padding: float = 0.0,
-    normalize: bool | Normalization = False,
+    near: float,
+    sigma: float | Iterable[float],
+    surface: float,
+    region: Region,
+    padding: float,
+    normalize: bool | Normalization,
 ) -> Mixture:
     """Returns the mixture that arguments ask for. Checks them."""
     if region not in get_args(Region):
