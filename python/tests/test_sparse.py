@@ -224,7 +224,7 @@ def test_it_may_be_empty(ball):
         ({"band": (2, np.inf)}, "the number outside must be finite, not inf"),
         ({"band": np.inf}, "band must be finite"),
         ({"sign": "none", "arrays": ("winding",)}, "need a sign"),
-        ({"arrays": ("colour",)}, "no array is named 'colour'"),
+        ({"arrays": ("colour",)}, "nothing is named 'colour'"),
     ],
 )
 def test_what_a_narrow_band_cannot_do_is_refused(ball, options, message):
