@@ -17,7 +17,7 @@ import tempfile
 
 import igl
 import numpy as np
-from mesh_table import mesh_rows
+from mesh_table import mesh_rows, tabulate
 from PIL import Image, ImageDraw
 
 MODES = ("rays", "paths", "evolution", "harmonic")
@@ -223,24 +223,19 @@ def winding_fields(args, folder):
 
 def deficient_meshes(args, folder):
     """Tabulates each mode's wrong signs against the exact number, and its time, for every deficient mesh."""
-    names = [row["file"] for row in mesh_rows(args.folder) if row["kind"] == "defect"]
-    lines = ["| mesh | triangles | " + " | ".join(MODES) + " | ms: " + " | ".join(MODES) + " |",
-             "|---|---|" + "---|" * (2 * len(MODES))]  # fmt: skip
-    for name in names:
-        case = Case(args.raymap, args.folder / name, 64, folder)
-        try:
-            vertices, triangles = read_mesh(args, args.folder / name, folder)
-            w = {mode: case.run(mode) for mode in MODES}
-        except (subprocess.CalledProcessError, ValueError, KeyError) as error:
-            said = getattr(error, "stderr", None) or str(error)
-            lines.append(f"| {name} | | {said.strip().splitlines()[-1]} |" + " |" * (2 * len(MODES) - 1))
-            continue
+
+    def measure(row, folder):
+        file = args.folder / row["file"]
+        case = Case(args.raymap, file, 64, folder)
+        vertices, triangles = read_mesh(args, file, folder)
+        w = {mode: case.run(mode) for mode in MODES}
         index, exact = exact_numbers(vertices, triangles, case)
         wrong = [f"{share_wrong(w[mode][0], index, exact):.3f}" for mode in MODES]
-        took = [f"{case.milliseconds(mode):.0f}" for mode in MODES]
-        lines.append(f"| {name} | {len(triangles)} | " + " | ".join(wrong + took) + " |")
-        print(lines[-1], flush=True)
-    (args.out / "deficient_meshes.md").write_text("\n".join(lines) + "\n")
+        return [row["file"], len(triangles), *wrong, *(f"{case.milliseconds(mode):.0f}" for mode in MODES)]
+
+    rows = [row for row in mesh_rows(args.folder) if row["kind"] == "defect"]
+    titles = ["mesh", "triangles", *MODES, f"ms: {MODES[0]}", *MODES[1:]]
+    tabulate(args.out / "deficient_meshes.md", titles, rows, measure, (KeyError,))
 
 
 def main():

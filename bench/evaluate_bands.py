@@ -16,11 +16,10 @@ The Python package and `peers` are those of a release build with RAYMAP_PYTHON a
 import argparse
 import pathlib
 import subprocess
-import tempfile
 
 import igl
 import numpy as np
-from mesh_table import mesh_rows
+from mesh_table import mesh_rows, tabulate
 
 import raymap
 
@@ -73,7 +72,9 @@ def of_openvdb(args, mesh, band, folder):
     return np.fromfile(raw, np.float32).reshape(band.shape, order="F")
 
 
-def compare(args, path, folder):
+def measure(args, row, folder):
+    """Returns the cells of a mesh."""
+    path = args.folder / row["file"]
     random = np.random.default_rng(1)
     mesh = raymap.load_mesh(path)
     vertices, triangles = np.asarray(mesh.vertices, float), np.asarray(mesh.faces, np.int64)
@@ -91,18 +92,16 @@ def compare(args, path, folder):
     distances = lambda points: np.sqrt(igl.point_mesh_squared_distance(points, vertices, triangles)[0])  # noqa: E731
     error = np.abs(np.abs(values) - distances(position(band, active))).max(initial=0) / band.spacing
     error = max(error, BAND - distances(position(band, beyond)).min(initial=np.inf) / band.spacing)
-    row = [
-        len(active), f"{error:.1e}",
-        wrong_signs(numbers(position(band, active[few])), values[few], band.spacing),
-        wrong_signs(numbers(position(band, beyond)), band.sample(position(band, beyond)), band.spacing),
-        len(few), len(beyond),
-    ]  # fmt: skip
+    wrong = wrong_signs(numbers(position(band, active[few])), values[few], band.spacing)
+    wrong_beyond = wrong_signs(numbers(position(band, beyond)), band.sample(position(band, beyond)), band.spacing)
+    cells = [row["file"], row["triangles"], row["balanced"], len(active), f"{error:.1e}"]
+    cells += [f"{wrong} of {len(few)}", f"{wrong_beyond} of {len(beyond)}"]
     coarse = make(args.openvdb_resolution)
     active, beyond = some_active(coarse, args.points, random)[0], samples_beyond(coarse, args.points, random)
     peer = of_openvdb(args, path, coarse, folder)
     for samples in (active, beyond):
-        row.append(wrong_signs(numbers(position(coarse, samples)), peer[tuple(samples.T)], coarse.spacing))
-    return row
+        cells.append(wrong_signs(numbers(position(coarse, samples)), peer[tuple(samples.T)], coarse.spacing))
+    return cells
 
 
 def main():
@@ -117,30 +116,10 @@ def main():
     parser.add_argument("--only", nargs="*", default=[""], help="files whose names contain one of these")
     args = parser.parse_args()
     args.out.mkdir(parents=True, exist_ok=True)
-    lines = [
-        "| mesh | triangles | balanced | active samples | largest error, samples | wrong signs, active | beyond "
-        "| OpenVDB: active | beyond |",
-        "|---|---|---|---|---|---|---|---|---|",
-    ]
-    print(*lines, sep="\n", flush=True)
-    for row in mesh_rows(args.folder):
-        if not any(text in row["file"] for text in args.only):
-            continue
-        with tempfile.TemporaryDirectory() as name:
-            try:
-                count, error, active, beyond, looked, far, vdb, vdb_beyond = compare(
-                    args, args.folder / row["file"], pathlib.Path(name)
-                )
-            except (subprocess.CalledProcessError, ValueError, raymap.Error) as failed:
-                said = (getattr(failed, "stderr", None) or str(failed)).strip().splitlines()[-1]
-                lines.append(f"| {row['file']} | {row['triangles']} | | {said} | | | | | |")
-            else:
-                lines.append(
-                    f"| {row['file']} | {row['triangles']} | {row['balanced']} | {count} | {error} "
-                    f"| {active} of {looked} | {beyond} of {far} | {vdb} | {vdb_beyond} |"
-                )
-        print(lines[-1], flush=True)
-    (args.out / "bands.md").write_text("\n".join(lines) + "\n")
+    rows = [row for row in mesh_rows(args.folder) if any(text in row["file"] for text in args.only)]
+    titles = ("mesh", "triangles", "balanced", "active samples", "largest error, samples", "wrong signs, active", "beyond",
+              "OpenVDB: active", "beyond")  # fmt: skip
+    tabulate(args.out / "bands.md", titles, rows, lambda row, folder: measure(args, row, folder), (raymap.Error,))
 
 
 if __name__ == "__main__":

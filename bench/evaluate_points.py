@@ -10,12 +10,11 @@ generalized winding number of the faces as given, and the distance by its tree o
 import argparse
 import pathlib
 import subprocess
-import tempfile
 
 import igl
 import numpy as np
 from evaluate import read_mesh
-from mesh_table import mesh_rows
+from mesh_table import mesh_rows, tabulate
 
 NEAR = 1e-3  # Share of the diagonal.
 THRESHOLD = 0.5
@@ -72,6 +71,16 @@ def compare(raymap, mesh, vertices, triangles, points, folder):
     return wrong.sum(), (wrong & excused).sum(), errors.max() / diagonal
 
 
+def measure(args, row, folder):
+    """Returns the cells of a mesh."""
+    random = np.random.default_rng(1)
+    mesh, vertices, triangles = read_surface(args, args.folder / row["file"], folder)
+    kinds = uniform_points(vertices, args.points, random), near_points(vertices, triangles, args.points, random)
+    uniform, near = (compare(args.raymap, mesh, vertices, triangles, kind, folder) for kind in kinds)
+    expected, largest = uniform[1] + near[1], max(uniform[2], near[2])
+    return row["file"], len(triangles), row["balanced"], uniform[0], near[0], expected, f"{largest:.1e}"
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("raymap")
@@ -82,24 +91,8 @@ def main():
     args = parser.parse_args()
     args.out.mkdir(parents=True, exist_ok=True)
     rows = [row for row in mesh_rows(args.folder) if args.only in row["file"]]
-    lines = ["| mesh | triangles | balanced | wrong, uniform | wrong, near | to be expected | largest error / diagonal |"]
-    lines.append("|---|---|---|---|---|---|---|")
-    print(*lines, sep="\n", flush=True)
-    for row in rows:
-        with tempfile.TemporaryDirectory() as name:
-            folder, random = pathlib.Path(name), np.random.default_rng(1)
-            try:
-                mesh, vertices, triangles = read_surface(args, args.folder / row["file"], folder)
-                kinds = uniform_points(vertices, args.points, random), near_points(vertices, triangles, args.points, random)
-                uniform, near = (compare(args.raymap, mesh, vertices, triangles, kind, folder) for kind in kinds)
-            except (subprocess.CalledProcessError, ValueError) as error:
-                said = (getattr(error, "stderr", None) or str(error)).strip().splitlines()[-1]
-                lines.append(f"| {row['file']} | | | {said} | | | |")
-            else:
-                expected, largest = uniform[1] + near[1], max(uniform[2], near[2])
-                lines.append(f"| {row['file']} | {len(triangles)} | {row['balanced']} | {uniform[0]} | {near[0]} | {expected} | {largest:.1e} |")
-        print(lines[-1], flush=True)
-    (args.out / "points.md").write_text("\n".join(lines) + "\n")
+    titles = ("mesh", "triangles", "balanced", "wrong, uniform", "wrong, near", "to be expected", "largest error / diagonal")
+    tabulate(args.out / "points.md", titles, rows, lambda row, folder: measure(args, row, folder))
 
 
 if __name__ == "__main__":

@@ -19,14 +19,14 @@ check_capabilities.py [ROOT]: ROOT is the source tree, by default the one that t
 
 import ast
 import re
-import sys
-from pathlib import Path
+
+from source_tree import COMMENT, chosen_root, commands, finish
 
 PAGE = "docs/capabilities.md"
 OPTIONS_PAGE, OPTIONS_COLUMNS = "docs/cli.md", 5
 COLUMNS = ("C++", "C", "Python", "Command line")
 FIELD_OPTIONS = ("Options", "FieldOptions", "MachineOptions")  # Structs with a row for each member.
-COMMENT_OR_DIRECTIVE = re.compile(r"//[^\n]*|/\*.*?\*/|^[ \t]*#(?:\\\n|[^\n])*", re.S | re.M)
+COMMENT_OR_DIRECTIVE = re.compile(COMMENT + r"|^[ \t]*#(?:\\\n|[^\n])*", re.S | re.M)
 SCOPE = re.compile(r"\b(namespace|class|struct|union|enum(?: class)?)\s+(?:RAYMAP_\w+\s+)?([\w:]*)(?!.*\b(?:class|struct)\b)[^()]*$",
                    re.S)
 
@@ -174,7 +174,7 @@ class Program:
 
     def __init__(self, root):
         text = "\n".join(path.read_text() for path in sorted((root / "apps").glob("*.cpp")))
-        self.wanted = {f"raymap {name}" for name in re.findall(r'add_subcommand\(\s*"(\w+)"', text)}
+        self.wanted = {f"raymap {name}" for name in commands(root)}
         flags = re.findall(r'set_(?:version|help)_flag\("([^"]+)"', text)
         self.commands = {flag: {"raymap"} for names in flags for flag in names.split(",")}  # "all" stands for all.
         for _, cells in rows((root / OPTIONS_PAGE).read_text()):
@@ -233,13 +233,9 @@ def check(root):
 
 
 def main():
-    root = Path(sys.argv[1]) if len(sys.argv) > 1 else Path(__file__).resolve().parent.parent
-    count, problems = check(root)
-    for problem in problems:
-        print(problem)
-    print(f"{count} features, {len(problems)} faults")
-    return 1 if problems or not count else 0
+    count, problems = check(chosen_root())
+    finish(problems, f"{count} features, {len(problems)} faults", count)
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    main()

@@ -9,13 +9,13 @@ check_constants.py [ROOT]: ROOT is the source tree, by default the one that this
 """
 
 import re
-import sys
-from pathlib import Path
+
+from source_tree import COMMENT, STRING, chosen_root, defined_twice, files, finish, line_at
 
 FOLDERS = ("include", "src")
 SHADERS = {".comp", ".glsl"}
 SOURCES = SHADERS | {".h", ".cpp"}
-COMMENT_OR_STRING = re.compile(r'//[^\n]*|/\*.*?\*/|"(?:\\.|[^"\\\n])*"', re.S)
+COMMENT_OR_STRING = re.compile(f"{COMMENT}|{STRING}", re.S)
 MACRO = re.compile(r"#[ \t]*define[ \t]+(k[A-Z]\w*)")
 STATEMENT = re.compile(r"\b(?:constexpr|const|RAYMAP_CONSTANT|enum)\b[^;]*")
 NAME = re.compile(r"(?<![.\w])(k[A-Z]\w*)\s*(?:\[[^\]]*\]\s*)*(?:=(?!=)|\{)")
@@ -30,20 +30,20 @@ def constants(text):
     """Yields each constant that the text defines, and its line."""
     text = without_comments(text)
     for match in MACRO.finditer(text):
-        yield match[1], text.count("\n", 0, match.start(1)) + 1
+        yield match[1], line_at(text, match.start(1))
     for statement in STATEMENT.finditer(text):
         before = text[text.rfind(";", 0, statement.start()) + 1: statement.start()]
         if re.search(r"\bconstant_id\b[^;{}]*$", before):
             continue
         for match in NAME.finditer(text, *statement.span()):
-            yield match[1], text.count("\n", 0, match.start(1)) + 1
+            yield match[1], line_at(text, match.start(1))
 
 
-def check(root):
-    """Returns the number of definitions, and the places of each name that both languages define, and not in one place."""
+def main():
+    root = chosen_root()
     places, languages = {}, {}
     count = 0
-    for path in sorted(path for folder in FOLDERS for path in (root / folder).rglob("*") if path.suffix in SOURCES):
+    for path in files(root, FOLDERS, SOURCES):
         text = path.read_text()
         is_shared = '#include "base/shader_types.h"' in text
         for name, line in constants(text):
@@ -51,19 +51,10 @@ def check(root):
             places.setdefault(name, {}).setdefault(path.relative_to(root).as_posix(), line)
             languages.setdefault(name, set()).update(
                 ("C++", "GLSL") if is_shared else ("GLSL",) if path.suffix in SHADERS else ("C++",))
-    return count, {name: places[name] for name in sorted(places) if len(places[name]) > 1 and len(languages[name]) > 1}
-
-
-def main():
-    root = Path(sys.argv[1]) if len(sys.argv) > 1 else Path(__file__).resolve().parent.parent
-    count, twice = check(root)
-    for name, where in twice.items():
-        print(f"{name} is defined in {' and in '.join(f'{path}:{line}' for path, line in where.items())}")
-    if twice:
-        print("Define it once, in a header that C++ and GLSL read (base/shader_types.h), or give the other thing another name.")
-    print(f"{count} constants, {len(twice)} defined for the CPU and for the GPU apart")
-    return 1 if twice or not count else 0
+    twice = defined_twice({name: where for name, where in places.items() if len(languages[name]) > 1})
+    finish(twice, f"{count} constants, {len(twice)} defined for the CPU and for the GPU apart", count,
+           "Define it once, in a header that C++ and GLSL read (base/shader_types.h), or give the other thing another name.")
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    main()

@@ -14,10 +14,11 @@ check_docs.py [FOLDER] checks another tree."""
 
 import re
 import subprocess
-import sys
 from pathlib import Path
 
-ROOT = Path(sys.argv[1] if len(sys.argv) > 1 else Path(__file__).resolve().parent.parent).resolve()
+from source_tree import chosen_root, commands, finish, includes
+
+ROOT = chosen_root().resolve()
 COLUMNS = 100
 CODE = r"(?:cpp|h|hpp|c|comp|glsl|py|sh|txt|toml|cmake)"
 # Headers by which files show that they use a library, as named in docs/dependencies.md.
@@ -134,11 +135,11 @@ def check_layers():
 def check_libraries(tree):
     text = (ROOT / "docs/dependencies.md").read_text()
     sources = [path for path in tree.paths if re.match(r"(src|apps|include)/.*\.(cpp|h)$", path)]
+    included = {path: [name for _, name, _ in includes((ROOT / path).read_text())] for path in sources}
     for library, header in HEADERS.items():
         row = re.search(rf"^\| {re.escape(library)} \|.*$", text, re.MULTILINE)
         places = re.findall(r"`([^`]+)`", row[0].rsplit(" | ", 1)[1]) if row else []
-        include = re.compile(rf'^#include [<"]{header}', re.MULTILINE)
-        users = [path for path in sources if include.search((ROOT / path).read_text())]
+        users = [path for path, names in included.items() if any(re.match(header, name) for name in names)]
         for path in users:
             if not any(path.startswith(place) for place in places):
                 yield f"{path} includes {library}, which is not said there"
@@ -158,9 +159,8 @@ def check_exit_codes():
 
 
 def check_commands():
-    sources = "".join(path.read_text() for path in (ROOT / "apps").glob("*.cpp"))
     headings = "".join(re.findall(r"^## .*\n", (ROOT / "docs/cli.md").read_text(), re.MULTILINE))
-    for command in re.findall(r'add_subcommand\("(\w+)"', sources):
+    for command in commands(ROOT):
         if not re.search(rf"\b{command}\b", headings):
             yield f"has no section on the command {command}"
 
@@ -203,11 +203,9 @@ def main():
     faults += [f"docs/dependencies.md: {fault}" for fault in check_libraries(tree)]
     faults += [f"docs/cli.md: {fault}" for check in (check_exit_codes, check_commands) for fault in check()]
     faults += [f"CONTRIBUTING.md: {fault}" for fault in [*check_folders(tree), *check_stages()]]
-    for fault in faults:
-        print(fault)
-    print(f"{len(list(pages()))} pages, {len(faults)} faults")
-    return 1 if faults else 0
+    count = len(list(pages()))
+    finish(faults, f"{count} pages, {len(faults)} faults", count)
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    main()

@@ -9,14 +9,12 @@ check_includes.py [ROOT]: ROOT is the source tree, by default the one that this 
 """
 
 import re
-import sys
-from pathlib import Path
 
 from check_odr import tags
+from source_tree import COMMENT, STRING, chosen_root, files, finish, includes
 
 FOLDERS = ("include/", "src/", "apps/")
-INCLUDE = re.compile(r'^\s*#\s*include\s*[<"]([^>"]+)[>"]', re.MULTILINE)
-IGNORED = re.compile(r'//[^\n]*|/\*.*?\*/|R"(\w*)\(.*?\)\1"|"(?:\\.|[^"\\\n])*"|^\s*#\s*include[^\n]*', re.DOTALL | re.MULTILINE)
+IGNORED = re.compile(rf'{COMMENT}|R"(\w*)\(.*?\)\1"|{STRING}|^\s*#\s*include[^\n]*', re.DOTALL | re.MULTILINE)
 USED = re.compile(r"(?<![.:])(?<!->)\b([A-Za-z_]\w*)\b")  # No members, and none of other namespaces.
 STANDARD = re.compile(r"\bstd::(\w+)")
 HEADERS = {  # Of names that other headers of the standard library do not bring along reliably.
@@ -54,8 +52,7 @@ class Tree:
     """The files, what they include, and what they bring along."""
 
     def __init__(self, root):
-        self.files = {str(p.relative_to(root)): p.read_text() for folder in FOLDERS for p in sorted((root / folder).rglob("*.*"))
-                      if p.suffix in (".h", ".cpp", ".inl")}  # fmt: skip
+        self.files = {str(p.relative_to(root)): p.read_text() for p in files(root, FOLDERS, {".h", ".cpp", ".inl"})}
         self.known = {}
 
     def resolve(self, file, name):
@@ -67,7 +64,7 @@ class Tree:
         """Returns all that the file includes, itself or by others, and itself."""
         if file not in self.known:
             self.known[file] = {file}
-            for name in INCLUDE.findall(self.files.get(file, "")):
+            for _, name, _ in includes(self.files.get(file, "")):
                 self.known[file] |= self.brought(self.resolve(file, name))
         return self.known[file]
 
@@ -88,13 +85,12 @@ def missing(tree, names, file):
             yield name, names[name]
 
 
-def main(root):
+def main():
+    root = chosen_root()
     tree, names = Tree(root), declared(root)
     found = [f"{file}: uses {name} without {header}" for file in tree.files for name, header in missing(tree, names, file)]
-    print(*found, sep="\n", end="\n" if found else "")
-    print(f"{len(tree.files)} files, {len(names)} names, {len(found)} missing includes")
-    return 1 if found else 0
+    finish(found, f"{len(tree.files)} files, {len(names)} names, {len(found)} missing includes", len(tree.files))
 
 
 if __name__ == "__main__":
-    sys.exit(main(Path(sys.argv[1] if len(sys.argv) > 1 else Path(__file__).resolve().parent.parent)))
+    main()

@@ -11,12 +11,11 @@ check_layers.py [ROOT]: ROOT is the source tree, by default the one that this sc
 """
 
 import re
-import sys
-from pathlib import Path
+
+from source_tree import chosen_root, files, finish, includes
 
 SOURCES = {".h", ".cpp", ".c", ".comp", ".glsl", ".inl", ".in"}
 OUTSIDE = ("apps", "examples", "python")  # Users of the library, which see its public headers only.
-INCLUDE = re.compile(r'\s*#\s*include\s*(?:"([^"]+)"|<([^>]+)>)')
 # The only files that may include oneTBB. The last keeps NanoVDB in a process of its own to one thread.
 TBB = ("src/base/parallel.cpp", "src/base/parallel_sort.h", "src/io/import/import_nvdb.cpp")
 # Made while building.
@@ -89,16 +88,6 @@ def cycles(graph):
     return found
 
 
-def includes(path):
-    for number, line in enumerate(path.read_text().splitlines(), 1):
-        if match := INCLUDE.match(line):
-            yield number, match[1] or match[2], match[1] is not None
-
-
-def files(folder):
-    return sorted(path for path in folder.rglob("*") if path.suffix in SOURCES) if folder.is_dir() else []
-
-
 def space(text):
     """The first namespace of a file; none in C."""
     match = re.search(r"^namespace ([\w:]+)", text, re.MULTILINE)
@@ -156,12 +145,12 @@ def check(root):
             return layers.headers.get(path.name)
         return layers.of_folder(path.parent.relative_to(src).as_posix())
 
-    for path in files(src) + files(public):
+    for path in files(root, ("src", "include/raymap"), SOURCES):
         name, layer = path.relative_to(root), layer_of(path)
         if layer not in layers.below:
             problems.append(f"{name}: no line of src/layers.txt says which layer this is")
             continue
-        for number, target, quoted in includes(path):
+        for number, target, quoted in includes(path.read_text()):
             if target.startswith("tbb/") and name.as_posix() not in TBB:
                 problems.append(f"{name}:{number} includes {target}: only {' and '.join(TBB)} may")
             if target.startswith("raymap/"):
@@ -190,25 +179,18 @@ def check(root):
         if not (src / layer).is_dir() and layer not in layers.headers.values():
             problems.append(f"src/layers.txt: there is no folder src/{layer}")
 
-    for path in [path for folder in OUTSIDE for path in files(root / folder)]:
-        for number, target, quoted in includes(path):
-            if quoted and not (path.parent / target).is_file():
-                problems.append(f"{path.relative_to(root)}:{number} includes {target}: private to the library")
-            if target.startswith("tbb/"):
+    for path in files(root, OUTSIDE, SOURCES):
+        for number, target, quoted in includes(path.read_text()):
+            if target.startswith("tbb/") or (quoted and not (path.parent / target).is_file()):
                 problems.append(f"{path.relative_to(root)}:{number} includes {target}: private to the library")
     return problems, seen, wrong, cycles(folders)
 
 
 def main():
-    root = Path(sys.argv[1]) if len(sys.argv) > 1 else Path(__file__).resolve().parent.parent
-    problems, seen, wrong, folder_cycles = check(root)
-    for problem in problems:
-        print(problem)
-    for cycle in folder_cycles:
-        print(f"a cycle of includes between {', '.join(cycle)}")
-    print(f"{seen} includes, {wrong} of them upward or sideways, {len(folder_cycles)} folder cycles")
-    return 1 if problems or folder_cycles else 0
+    problems, seen, wrong, folder_cycles = check(chosen_root())
+    problems += [f"a cycle of includes between {', '.join(cycle)}" for cycle in folder_cycles]
+    finish(problems, f"{seen} includes, {wrong} of them upward or sideways, {len(folder_cycles)} folder cycles", seen)
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    main()

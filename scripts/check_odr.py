@@ -12,7 +12,8 @@ import json
 import re
 import subprocess
 import sys
-from pathlib import Path
+
+from source_tree import chosen_root, defined_twice, finish
 
 FOLDERS = ("include", "src", "apps", "python/src", "examples", "bench", "fuzz", "tests")
 ENTRY_POINTS = {"main", "LLVMFuzzerTestOneInput"}
@@ -63,11 +64,10 @@ def types_of(signature):
     return f"({', '.join(types)}){suffix}"
 
 
-def check(root):
-    """Returns the number of definitions, and each name that has several: its places, in order."""
+def main():
     places = {}
     count = 0
-    for tag in tags(root):
+    for tag in tags(chosen_root()):
         if not is_external(tag) or tag["name"] in ENTRY_POINTS or tag["path"] in ALTERNATIVES:
             continue
         count += 1
@@ -75,19 +75,10 @@ def check(root):
         name += f"<{tag['specialization']}>" if "specialization" in tag else ""
         name += types_of(tag["signature"]) if "signature" in tag else ""
         places.setdefault(name, {}).setdefault(tag["path"], tag["line"])
-    return count, {name: places[name] for name in sorted(places) if len(places[name]) > 1}
-
-
-def main():
-    root = Path(sys.argv[1]) if len(sys.argv) > 1 else Path(__file__).resolve().parent.parent
-    count, twice = check(root)
-    for name, places in twice.items():
-        print(f"{name} is defined in {' and in '.join(f'{path}:{line}' for path, line in sorted(places.items()))}")
-    if twice:
-        print("Move what one file alone needs into an unnamed namespace, or rename it.")
-    print(f"{count} definitions, {len(twice)} names with several")
-    return 1 if twice or not count else 0
+    twice = defined_twice(places)
+    finish(twice, f"{count} definitions, {len(twice)} names with several", count,
+           "Move what one file alone needs into an unnamed namespace, or rename it.")
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    main()

@@ -1,28 +1,15 @@
 #!/usr/bin/env python3
 """Feeds faults of the table of capabilities to scripts/check_capabilities.py, which must find each and name it."""
 
-import shutil
-import subprocess
-import sys
-import tempfile
 import unittest
-from pathlib import Path
 
-ROOT = Path(__file__).resolve().parent.parent
+from planted_tree import PlantedTree
 HEAD = "| feature | C++ | C | Python | Command line |\n|---|---|---|---|---|\n"
 REASONS = "\n1. Not there yet.\n"
 
 
-class CheckCapabilities(unittest.TestCase):
-    def setUp(self):
-        self.folder = tempfile.TemporaryDirectory()
-        self.addCleanup(self.folder.cleanup)
-        self.root = Path(self.folder.name)
-
-    def put(self, name, text):
-        path = self.root / name
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_text(text)
+class CheckCapabilities(PlantedTree):
+    script = "check_capabilities.py"
 
     def put_tree(self):
         """Writes a small tree, whose every public name the table of `rows` mentions."""
@@ -105,31 +92,19 @@ def load(path, **options: Unpack[Options]): ...
             table[feature][("cpp", "c", "python", "cli").index(column)] = cell
         return HEAD + "".join(f"| {feature} | {' | '.join(cells)} |\n" for feature, cells in table.items())
 
-    def check(self):
-        run = subprocess.run([sys.executable, ROOT / "scripts/check_capabilities.py", self.root], capture_output=True,
-                             text=True)
-        return run.returncode, run.stdout + run.stderr
-
     def assert_found(self, page, *problems):
         self.put("docs/capabilities.md", page)
-        code, output = self.check()
-        self.assertEqual(code, 1, output)
-        self.assertEqual(output.splitlines()[:-1], [f"docs/capabilities.md:{problem}" for problem in problems])
-
-    def assert_clean(self, page):
-        self.put("docs/capabilities.md", page)
-        code, output = self.check()
-        self.assertEqual(code, 0, output)
+        printed = super().assert_found(f" {len(problems)} faults")
+        self.assertEqual(printed[:-1], [f"docs/capabilities.md:{problem}" for problem in problems])
 
     def test_accepts_the_tree(self):
-        for name in ("include", "src/c_api", "apps", "python/raymap", "docs"):
-            shutil.copytree(ROOT / name, self.root / name)
-        code, output = self.check()
-        self.assertEqual(code, 0, output)
+        self.copy("include", "src/c_api", "apps", "python/raymap", "docs")
+        self.assert_accepted()
 
     def test_accepts_names_of_every_kind(self):
         self.put_tree()
-        self.assert_clean(self.rows() + REASONS)
+        self.put("docs/capabilities.md", self.rows() + REASONS)
+        self.assert_accepted()
 
     def test_finds_names_that_do_not_exist(self):
         self.put_tree()
@@ -184,9 +159,7 @@ def load(path, **options: Unpack[Options]): ...
     def test_a_page_without_rows_is_an_error(self):
         self.put("docs/capabilities.md", "# Nothing\n")
         self.put("docs/cli.md", "")
-        code, output = self.check()
-        self.assertEqual(code, 1)
-        self.assertIn("0 features", output)
+        self.assertIn("0 features", self.output(1))
 
 
 if __name__ == "__main__":

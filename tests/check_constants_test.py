@@ -1,46 +1,23 @@
 #!/usr/bin/env python3
 """Feeds constants that both languages define to scripts/check_constants.py, which must find each and name it."""
 
-import shutil
-import subprocess
-import sys
-import tempfile
 import unittest
-from pathlib import Path
 
-ROOT = Path(__file__).resolve().parent.parent
+from planted_tree import PlantedTree
 
 
-class CheckConstants(unittest.TestCase):
-    def setUp(self):
-        self.folder = tempfile.TemporaryDirectory()
-        self.addCleanup(self.folder.cleanup)
-        self.root = Path(self.folder.name)
-
-    def put(self, name, text):
-        path = self.root / name
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_text(text)
-
-    def check(self):
-        run = subprocess.run([sys.executable, ROOT / "scripts/check_constants.py", self.root], capture_output=True,
-                             text=True)
-        return run.returncode, run.stdout + run.stderr
+class CheckConstants(PlantedTree):
+    script = "check_constants.py"
 
     def assert_found(self, *lines):
-        code, output = self.check()
-        self.assertEqual(code, 1, output)
-        self.assertEqual(output.splitlines()[:-2], list(lines))
-        self.assertIn(f"constants, {len(lines)} defined for the CPU and for the GPU apart", output)
+        printed = super().assert_found(f"constants, {len(lines)} defined for the CPU and for the GPU apart")
+        self.assertEqual(printed[:-2], list(lines))
 
     def assert_clean(self):
-        code, output = self.check()
-        self.assertEqual(code, 0, output)
-        self.assertIn("constants, 0 defined for the CPU and for the GPU apart", output)
+        self.assert_accepted("constants, 0 defined for the CPU and for the GPU apart")
 
     def test_accepts_the_tree(self):
-        for name in ("include", "src"):
-            shutil.copytree(ROOT / name, self.root / name)
+        self.copy("include", "src")
         self.assert_clean()
 
     def test_finds_what_the_review_at_53326ab_found(self):
@@ -116,9 +93,7 @@ class CheckConstants(unittest.TestCase):
 
     def test_a_tree_without_constants_is_an_error(self):
         self.put("src/a.h", "// Nothing.\n")
-        code, output = self.check()
-        self.assertEqual(code, 1)
-        self.assertIn("0 constants", output)
+        self.assertIn("0 constants", self.output(1))
 
 
 if __name__ == "__main__":

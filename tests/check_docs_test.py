@@ -1,53 +1,34 @@
 #!/usr/bin/env python3
 """Plants mistakes into copies of the documentation: scripts/check_docs.py must find each and name it."""
 
-import shutil
 import subprocess
-import sys
-import tempfile
 import unittest
-from pathlib import Path
 
-ROOT = Path(__file__).resolve().parent.parent
+from planted_tree import ROOT, PlantedTree
 
 
-class CheckDocs(unittest.TestCase):
+class CheckDocs(PlantedTree):
+    script = "check_docs.py"
+
     def setUp(self):
-        folder = tempfile.TemporaryDirectory()
-        self.addCleanup(folder.cleanup)
-        self.root = Path(folder.name)
+        super().setUp()
         files = subprocess.run(["git", "-C", ROOT, "ls-files", "-co", "--exclude-standard"], capture_output=True,
                                text=True, check=True).stdout.splitlines()
         for name in files:
             if (ROOT / name).is_file():
-                (self.root / name).parent.mkdir(parents=True, exist_ok=True)
                 is_read = name.endswith((".md", ".cpp", ".h", "layers.txt", ".ci/run"))
-                shutil.copy(ROOT / name, self.root / name) if is_read else (self.root / name).touch()
-
-    def edit(self, name, old, new):
-        text = (self.root / name).read_text()
-        self.assertIn(old, text)
-        (self.root / name).write_text(text.replace(old, new, 1))
+                self.copy(name) if is_read else self.put(name, "")
 
     def append(self, name, text):
         with (self.root / name).open("a") as file:
             file.write(text + "\n")
 
-    def check(self):
-        run = subprocess.run([sys.executable, ROOT / "scripts/check_docs.py", self.root], capture_output=True, text=True)
-        return run.returncode, run.stdout.splitlines()
-
     def assert_found(self, *messages):
-        code, lines = self.check()
-        self.assertEqual(code, 1, lines)
-        for message in messages:
-            self.assertTrue(any(message in line for line in lines), (message, lines))
+        lines = super().assert_found(*messages)
         self.assertEqual(len(lines), len(messages) + 1, lines)
 
     def test_accepts_the_documentation(self):
-        code, lines = self.check()
-        self.assertEqual(code, 0, lines)
-        self.assertTrue(lines[-1].endswith(" 0 faults"), lines)
+        self.assert_accepted(" 0 faults")
 
     def test_finds_files_that_are_gone(self):
         self.edit("docs/algorithm.md", "`orientation_sides.comp`", "`orientation_rises.comp`")

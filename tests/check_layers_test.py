@@ -1,81 +1,58 @@
 #!/usr/bin/env python3
 """Plants mistakes into copies of the source tree: scripts/check_layers.py must find each and name it."""
 
-import shutil
-import subprocess
-import sys
-import tempfile
 import unittest
-from pathlib import Path
 
-ROOT = Path(__file__).resolve().parent.parent
+from planted_tree import PlantedTree
 
 
-class CheckLayers(unittest.TestCase):
+class CheckLayers(PlantedTree):
+    script = "check_layers.py"
+
     def setUp(self):
-        self.folder = tempfile.TemporaryDirectory()
-        self.addCleanup(self.folder.cleanup)
-        self.root = Path(self.folder.name)
-        for name in ("src", "include"):
-            shutil.copytree(ROOT / name, self.root / name)
+        super().setUp()
+        self.copy("src", "include")
 
-    def put(self, name, text):
-        path = self.root / name
-        path.parent.mkdir(parents=True, exist_ok=True)
-        old = path.read_text() if path.exists() else ""
-        path.write_text(text + old)
-
-    def check(self):
-        run = subprocess.run([sys.executable, ROOT / "scripts/check_layers.py", self.root], capture_output=True, text=True)
-        return run.returncode, run.stdout + run.stderr
-
-    def assert_found(self, *messages):
-        code, output = self.check()
-        self.assertEqual(code, 1, output)
-        for message in messages:
-            self.assertIn(message, output)
+    def prepend(self, name, text):
+        self.put(name, text + (self.root / name).read_text())
 
     def test_accepts_the_tree(self):
-        code, output = self.check()
-        self.assertEqual(code, 0, output)
-        self.assertIn(" 0 of them upward or sideways, 0 folder cycles", output)
+        self.assert_accepted(" 0 of them upward or sideways, 0 folder cycles")
 
     def test_finds_an_upward_include(self):
-        self.put("src/mesh/weld.cpp", '#include "cpu/backend.h"\n')
+        self.prepend("src/mesh/weld.cpp", '#include "cpu/backend.h"\n')
         self.assert_found("src/mesh/weld.cpp:1 includes cpu/backend.h: mesh may include only base", " 1 of them upward")
 
     def test_finds_a_sideways_include(self):
-        self.put("src/cpu/cells/refine.cpp", '#include "cpu/sign/sign.h"\n')
+        self.prepend("src/cpu/cells/refine.cpp", '#include "cpu/sign/sign.h"\n')
         self.assert_found("src/cpu/cells/refine.cpp:1 includes cpu/sign/sign.h: cpu/cells may include only")
 
     def test_finds_an_upward_include_in_a_shader(self):
-        self.put("src/vulkan/primitives/gate.comp", '#include "vulkan/stages/mesh.glsl"\n')
+        self.prepend("src/vulkan/primitives/gate.comp", '#include "vulkan/stages/mesh.glsl"\n')
         self.assert_found("src/vulkan/primitives/gate.comp:1 includes vulkan/stages/mesh.glsl")
 
     def test_finds_an_upward_public_header(self):
-        self.put("src/field/grid.cpp", "#include <raymap/generate.h>\n")
-        self.put("include/raymap/mesh.h", "#include <raymap/field.h>\n")
+        self.prepend("src/field/grid.cpp", "#include <raymap/generate.h>\n")
+        self.prepend("include/raymap/mesh.h", "#include <raymap/field.h>\n")
         self.assert_found("src/field/grid.cpp:1 includes raymap/generate.h: field may include only",
                           "include/raymap/mesh.h:1 includes raymap/field.h: mesh may include only base")
 
     def test_finds_a_cycle_of_folders(self):
-        self.put("src/base/progress.h", '#include "mesh/weld.h"\n')
+        self.prepend("src/base/progress.h", '#include "mesh/weld.h"\n')
         self.assert_found("a cycle of includes between base, mesh", " 1 folder cycles")
 
     def test_finds_a_declared_cycle(self):
-        self.put("src/layers.txt", "base: mesh\n")
-        layers = self.root / "src/layers.txt"
-        layers.write_text(layers.read_text().replace("\nbase:\n", "\n"))
+        self.edit("src/layers.txt", "\nbase:\n", "\nbase: mesh\n")
         self.assert_found("layers.txt: a cycle between base, mesh")
 
     def test_finds_a_function_that_a_higher_layer_defines(self):
-        self.put("include/raymap/mesh.h", "namespace raymap {\nRAYMAP_API void paint(const Mesh& mesh, int colour = 1);\n}\n")
+        self.prepend("include/raymap/mesh.h", "namespace raymap {\nRAYMAP_API void paint(const Mesh& mesh, int colour = 1);\n}\n")
         self.put("src/render/paint.cpp", "namespace raymap {\nvoid paint(const Mesh& of, int colour) {\n}\n}\n")
         self.put("src/io/paint.cpp", "namespace raymap {\nvoid paint(const Mesh& of) {\n}\n}\n")  # Another one.
         self.assert_found("include/raymap/mesh.h is of the layer mesh, but paint is defined in render\n")
 
     def test_finds_a_class_that_a_higher_layer_defines(self):
-        self.put("include/raymap/mesh.h", "namespace raymap {\nclass RAYMAP_API Brush {\n void dip();\n};\n}\n")
+        self.prepend("include/raymap/mesh.h", "namespace raymap {\nclass RAYMAP_API Brush {\n void dip();\n};\n}\n")
         self.put("src/api/brush.cpp", "namespace raymap {\nvoid Brush::dip() {}\n}\n")
         self.assert_found("include/raymap/mesh.h is of the layer mesh, but Brush is defined in api\n")
 
@@ -89,11 +66,11 @@ class CheckLayers(unittest.TestCase):
         self.assert_found("src/mesh/odds/ends.h:2 includes cpu/backend.h: mesh may include only", " 1 of them upward")
 
     def test_finds_a_path_that_is_not_whole(self):
-        self.put("src/mesh/weld.cpp", '#include "holes.h"\n')
+        self.prepend("src/mesh/weld.cpp", '#include "holes.h"\n')
         self.assert_found("src/mesh/weld.cpp:1 includes holes.h: no such file")
 
     def test_finds_tbb_elsewhere(self):
-        self.put("src/mesh/weld.cpp", "#include <tbb/parallel_sort.h>\n")
+        self.prepend("src/mesh/weld.cpp", "#include <tbb/parallel_sort.h>\n")
         self.assert_found("src/mesh/weld.cpp:1 includes tbb/parallel_sort.h: only src/base/parallel.cpp and")
 
     def test_finds_private_headers_in_programs(self):

@@ -1,42 +1,26 @@
 #!/usr/bin/env python3
 """Feeds texts that name flags and commands to scripts/check_messages.py, which must find each and name its place."""
 
-import subprocess
-import sys
-import tempfile
 import unittest
-from pathlib import Path
 
-ROOT = Path(__file__).resolve().parent.parent
+from planted_tree import PlantedTree
 
 
-class CheckMessages(unittest.TestCase):
+class CheckMessages(PlantedTree):
+    script = "check_messages.py"
+
     def setUp(self):
-        folder = tempfile.TemporaryDirectory()
-        self.addCleanup(folder.cleanup)
-        self.root = Path(folder.name)
+        super().setUp()
         self.put("apps/devices.cpp", 'app.add_subcommand("devices", "List devices");\napp.add_subcommand("info", "Report");\n')
         self.put("src/right.cpp", 'throw Error("use a smaller voxel size");\n')
 
-    def put(self, name, text):
-        path = self.root / name
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_text(text)
-
-    def check(self, root=None):
-        run = subprocess.run([sys.executable, ROOT / "scripts/check_messages.py", root or self.root], capture_output=True,
-                             text=True)
-        return run.returncode, run.stdout + run.stderr
-
     def assert_found(self, *places):
-        code, output = self.check()
-        self.assertEqual(code, 1, output)
-        self.assertEqual([line.partition(": ")[0] for line in output.splitlines()[:-1]], list(places))
-        self.assertIn(f"texts, {len(places)} name", output)
+        printed = super().assert_found(f"texts, {len(places)} name")
+        self.assertEqual([line.partition(": ")[0] for line in printed[:-1]], list(places))
 
-    def test_accepts_this_tree(self):
-        code, output = self.check(ROOT)
-        self.assertEqual(code, 0, output)
+    def test_accepts_the_tree(self):
+        self.copy("src", "include", "apps")
+        self.assert_accepted()
 
     def test_finds_flags(self):
         self.put("src/a.cpp", '// "--no"\nwarn("to keep all: --drop-smaller 0");\n')
@@ -54,12 +38,11 @@ class CheckMessages(unittest.TestCase):
     def test_accepts_all_else(self):
         self.put("src/a.cpp", '#include "a--b.h"\n/* "--flag"\n */ // raymap devices "--flag"\nf("raymap was built -- so");\n'
                  'f("raymap device"); g("a--b", c--, "x");\n')
-        code, output = self.check()
-        self.assertEqual(code, 0, output)
+        self.assert_accepted()
 
     def test_a_tree_without_texts_is_an_error(self):
-        (self.root / "src/right.cpp").write_text("int a;\n")
-        self.assertEqual(self.check()[0], 1)
+        self.put("src/right.cpp", "int a;\n")
+        self.assertIn("0 texts", self.output(1))
 
 
 if __name__ == "__main__":

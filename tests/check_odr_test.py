@@ -2,34 +2,20 @@
 """Plants second definitions into copies of the source tree: scripts/check_odr.py must find each and name it."""
 
 import re
-import shutil
-import subprocess
-import sys
-import tempfile
 import unittest
-from pathlib import Path
 
-ROOT = Path(__file__).resolve().parent.parent
+from planted_tree import PlantedTree
 
 
-class CheckOdr(unittest.TestCase):
-    def setUp(self):
-        self.folder = tempfile.TemporaryDirectory()
-        self.addCleanup(self.folder.cleanup)
-        self.root = Path(self.folder.name)
-
-    def put(self, name, text):
-        path = self.root / name
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_text(text)
+class CheckOdr(PlantedTree):
+    script = "check_odr.py"
 
     def put_both(self, text, other=None):
         self.put("src/mesh/one.cpp", f"namespace raymap {{\n{text}\n}}\n")
         self.put("src/field/two.cpp", f"namespace raymap {{\n\n{text if other is None else other}\n}}\n")
 
     def copy_sources(self):
-        for name in ("src", "include", "apps", "tests"):
-            shutil.copytree(ROOT / name, self.root / name)
+        self.copy("src", "include", "apps", "tests")
 
     def export_names_of(self, *names):
         """Removes the unnamed namespaces in the SIMD code of these files."""
@@ -40,20 +26,12 @@ class CheckOdr(unittest.TestCase):
             self.assertEqual((opened, closed), (1, 1), name)
             path.write_text(text)
 
-    def check(self):
-        run = subprocess.run([sys.executable, ROOT / "scripts/check_odr.py", self.root], capture_output=True, text=True)
-        return run.returncode, run.stdout + run.stderr
-
     def assert_found(self, *lines):
-        code, output = self.check()
-        self.assertEqual(code, 1, output)
-        self.assertEqual(output.splitlines()[: len(lines)], list(lines))
-        self.assertIn(f"definitions, {len(lines)} names with several", output)
+        printed = super().assert_found(f"definitions, {len(lines)} names with several")
+        self.assertEqual(printed[:-2], list(lines))
 
     def assert_clean(self):
-        code, output = self.check()
-        self.assertEqual(code, 0, output)
-        self.assertIn("definitions, 0 names with several", output)
+        self.assert_accepted("definitions, 0 names with several")
 
     def test_accepts_the_tree(self):
         self.copy_sources()
@@ -64,8 +42,7 @@ class CheckOdr(unittest.TestCase):
         self.export_names_of("src/cpu/distance/exact_distance.cpp", "src/cpu/points/nearest_triangles.cpp",
                              "src/cpu/cells/closest_triangles.cpp", "src/cpu/sign/orientation_measure.cpp",
                              "src/cpu/distance/surface_leaves.cpp", "src/cpu/points/closest_point.cpp")
-        code, output = self.check()
-        self.assertEqual(code, 1, output)
+        output = self.output(1)
         space = "raymap::cpu::HWY_NAMESPACE::"
         for name, one, two in (
                 ("widestNode(float)", "cpu/distance/exact_distance.cpp", "cpu/points/nearest_triangles.cpp"),
@@ -77,8 +54,7 @@ class CheckOdr(unittest.TestCase):
         self.copy_sources()
         self.put("tests/core/odd_test.cpp", "namespace raymap {\nclass Surface {};\nstruct Grid {};\n"
                  "namespace vulkan {\nstruct CrossingsPush {};\n}\n}\n")
-        code, output = self.check()
-        self.assertEqual(code, 1, output)
+        output = self.output(1)
         for name, place in (("raymap::Surface", "include/raymap/surface.h"), ("raymap::Grid", "include/raymap/grid.h"),
                             ("raymap::vulkan::CrossingsPush", "src/vulkan/stages/crossings_push.h")):
             self.assertRegex(output, rf"(?m)^{name} is defined in {place}:\d+ and in tests/core/odd_test.cpp:\d+$")
@@ -133,9 +109,7 @@ class CheckOdr(unittest.TestCase):
 
     def test_a_tree_without_definitions_is_an_error(self):
         self.put("src/a.h", "// Nothing.\n")
-        code, output = self.check()
-        self.assertEqual(code, 1)
-        self.assertIn("0 definitions", output)
+        self.assertIn("0 definitions", self.output(1))
 
 
 if __name__ == "__main__":

@@ -11,21 +11,12 @@ import sys
 import warnings
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, nullcontext
+from functools import partial
 from pathlib import Path
 from typing import Any, get_args
 
 from . import dataset, zarr
-from ._errors import (
-    Cancelled,
-    DeviceLostError,
-    DeviceMemoryError,
-    Error,
-    FileError,
-    InputError,
-    MemoryLimitError,
-    UnsupportedError,
-    UsageError,
-)
+from ._errors import Error, FileError, UsageError, code_of
 from ._frames import Normalization
 from ._records import DistanceMode, Orientation, Sampling, SignMode
 from ._samples import Region
@@ -33,15 +24,15 @@ from .dataset.files import readable
 from .dataset.pages import page_paths
 from .recipes import RecipeName
 
-_EXIT_CODES: dict[type[Error], int] = {  # As those of the program raymap
-    UsageError: 2,
-    InputError: 3,
-    FileError: 4,
-    MemoryLimitError: 5,
-    Cancelled: 6,
-    UnsupportedError: 7,
-    DeviceLostError: 8,
-    DeviceMemoryError: 10,
+_EXIT_CODES = {  # As those of the program raymap
+    "usage": 2,
+    "input": 3,
+    "file": 4,
+    "memory": 5,
+    "cancelled": 6,
+    "unsupported": 7,
+    "device_lost": 8,
+    "device_memory": 10,
 }
 _UNFINISHED = 9
 _STOPPED = 130
@@ -56,7 +47,7 @@ def main(arguments: list[str] | None = None) -> int:
         return _COMMANDS[given.pop("command")](**given)
     except Error as error:
         print(f"raymap: error: {_printable(str(error))}", file=sys.stderr)
-        return _EXIT_CODES.get(type(error), _UNFINISHED)
+        return _EXIT_CODES.get(code_of(error), _UNFINISHED)
     except KeyboardInterrupt:
         print("raymap: stopped; run it again to go on", file=sys.stderr)
         return _STOPPED
@@ -102,23 +93,17 @@ A mesh that fails goes to OUT/quarantine, and the run goes on."""
 
 
 def _add_dataset(parser: argparse.ArgumentParser) -> None:
-    def add(*names: str, **rest: Any) -> None:
-        parser.add_argument(*names, default=argparse.SUPPRESS, **rest)
-
     parser.add_argument("meshes", nargs="+", metavar="FOLDER", help="folder of meshes, or meshes")
     parser.add_argument("-o", "--output", required=True, metavar="OUT", help="folder of the results")
+    add = partial(parser.add_argument, default=argparse.SUPPRESS)
     add("--what", choices=["field", "points"], help="what is made of each mesh (field)")
     add("--format", choices=dataset.FORMATS, help="format of the fields (npz)")
     add("--table", metavar="FILE.parquet", help="write the table there, too, with types; needs pyarrow")
-    add("--resolution", type=int, metavar="N", help="samples along the longest side (128)")
-    add("--voxel-size", type=float, metavar="H", help="distance between samples, in place of --resolution")
-    add("--padding", type=float, metavar="P", help="padding of the bounds, as a share of their longest side (0.1)")
-    add("--bounds", type=float, nargs=6, metavar=tuple("xyzXYZ"), help="box to cover, its lowest and highest corner")
+    _add_grid(add)
     add("--shape", type=int, nargs=3, metavar=("NX", "NY", "NZ"), help="number of samples of every field")
     add("--cube", action="store_true", help="as many samples along every side: fields that can be stacked")
     add("--distance", choices=get_args(DistanceMode), help="source of the magnitude (exact)")
     add("--sign", choices=get_args(SignMode), help="method that decides inside and outside (harmonic)")
-    add("--orientation", choices=get_args(Orientation), help="whether faces are reversed (auto)")
     add("--passes", type=int, metavar="P", help="passes of --sign paths, or steps of evolution (5)")
     add("--sampling", choices=get_args(Sampling), help="offset points of --sign paths and evolution (raymap)")
     add("--threshold", type=float, metavar="W", help="a sample is inside if its winding number exceeds this (0.5)")
@@ -178,18 +163,12 @@ It may be stopped and run again at any time: a second run makes the shards that 
 
 
 def _add_field(parser: argparse.ArgumentParser) -> None:
-    def add(*names: str, **rest: Any) -> None:
-        parser.add_argument(*names, default=argparse.SUPPRESS, **rest)
-
     parser.add_argument("mesh", metavar="MESH", help="file of the mesh")
     parser.add_argument("-o", "--output", required=True, metavar="OUT.zarr", help="folder of the store")
-    add("--resolution", type=int, metavar="N", help="samples along the longest side (128)")
-    add("--voxel-size", type=float, metavar="H", help="distance between samples, in place of --resolution")
-    add("--padding", type=float, metavar="P", help="padding of the bounds, as a share of their longest side (0.1)")
-    add("--bounds", type=float, nargs=6, metavar=tuple("xyzXYZ"), help="box to cover, its lowest and highest corner")
+    add = partial(parser.add_argument, default=argparse.SUPPRESS)
+    _add_grid(add)
     add("--band", type=float, metavar="B", help="clamp distances at so many samples, which makes the store sparse")
     add("--unsigned", dest="sign", action="store_false", help="distances without a sign")
-    add("--orientation", choices=get_args(Orientation), help="whether faces are reversed (auto)")
     add("--chunks", type=int, metavar="N", help="samples along the side of a chunk (64)")
     add("--shards", type=int, metavar="N", help="samples along the side of a shard, a file of many chunks (256)")
     add("--pyramid", type=int, metavar="N", help="number of coarser levels, each of half the resolution (0)")
@@ -198,6 +177,15 @@ def _add_field(parser: argparse.ArgumentParser) -> None:
     add("--threads", type=int, metavar="N", help="shards at a time on this machine (as many as processors)")
     add("--memory-limit", type=_bytes, metavar="SIZE", help="most memory on this machine (what is available)")
     _add_run(parser)
+
+
+def _add_grid(add: Callable[..., object]) -> None:
+    """Adds what all commands have that make fields."""
+    add("--resolution", type=int, metavar="N", help="samples along the longest side (128)")
+    add("--voxel-size", type=float, metavar="H", help="distance between samples, in place of --resolution")
+    add("--padding", type=float, metavar="P", help="padding of the bounds, as a share of their longest side (0.1)")
+    add("--bounds", type=float, nargs=6, metavar=tuple("xyzXYZ"), help="box to cover, its lowest and highest corner")
+    add("--orientation", choices=get_args(Orientation), help="whether faces are reversed (auto)")
 
 
 def _add_run(parser: argparse.ArgumentParser) -> None:

@@ -123,13 +123,21 @@ def to_box(name: str, corners: npt.ArrayLike) -> tuple[Vector, Vector]:
     return to_vector(name, low), to_vector(name, high)
 
 
+def to_names(arrays: Iterable[str], known: Iterable[str]) -> set[str]:
+    """Returns names of arrays: one text, or several.
+
+    Raises:
+        UsageError: One is not known.
+    """
+    names = {arrays} if isinstance(arrays, str) else set(arrays)
+    if unknown := names - set(known):
+        raise UsageError(f"arrays: nothing is named {sorted(unknown)[0]!r}; there are {', '.join(known)}")
+    return names
+
+
 def set_arrays(options: _raymap.FieldOptions | _raymap.BandOptions | _raymap.RegionOptions, arrays: Iterable[str]) -> None:
     """Sets which arrays a field has besides the distance."""
-    names = {arrays} if isinstance(arrays, str) else set(arrays)
-    if unknown := names - set(get_args(FieldArray)):
-        raise UsageError(
-            f"arrays: no array is named {sorted(unknown)[0]!r}; there are distance, winding, confidence and triangle"
-        )
+    names = to_names(arrays, get_args(FieldArray))
     options.winding = "winding" in names
     options.confidence = "confidence" in names
     options.triangle = "triangle" in names

@@ -77,8 +77,8 @@ def make_error(code: str, message: str) -> Error:
 
 
 def code_of(error: Error) -> str:
-    """Returns the code for which `make_error` makes such an exception."""
-    return next(code for code, kind in _BY_CODE.items() if type(error) is kind)
+    """Returns the code for which `make_error` makes such an exception; "" if there is none."""
+    return next((code for code, kind in _BY_CODE.items() if type(error) is kind), "")
 
 
 # Arguments and functions that help against what a warning tells of. Braces hold names of its fields.

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any, Literal, TypedDict, Unpack, overload
+from typing import Any, Unpack, overload
 
 import numpy as np
 import numpy.typing as npt
@@ -17,7 +17,7 @@ from ._errors import UsageError
 from ._frames import IDENTITY, Frame, frame_arrays, read_frame, to_frame
 from ._grid_field import GridField
 from ._mesh import core_of
-from ._pictures import slice_of, to_scene, to_view
+from ._pictures import ViewOptions, to_view
 from ._progress import Progress, reporting
 from ._records import Comparison, FieldArray, Stats
 from ._whole_file import save_with_arrays
@@ -26,7 +26,7 @@ from ._whole_file import save_with_arrays
 NO_TRIANGLE = 0xFFFFFFFF
 
 
-class PageOptions(TypedDict, total=False):
+class PageOptions(ViewOptions, total=False):
     """Keyword arguments of ``Field.to_html`` and ``Field.show``."""
 
     title: str
@@ -35,13 +35,6 @@ class PageOptions(TypedDict, total=False):
     other_title: str
     array: FieldArray
     max_size: int
-    width: int
-    height: int
-    direction: tuple[float, float, float]
-    up: tuple[float, float, float]
-    field_of_view: float
-    cut: bool
-    shell: float
     device: str
     threads: int | None
     progress: Progress
@@ -104,8 +97,8 @@ class Field(GridField):
             raise UsageError(f"distance must be (nx, ny, nz), not of the shape {shape}")
         box = None if surface_bounds is None else to_box("surface_bounds", surface_bounds)
         clamp = to_number("clamp_distance", clamp_distance, least=0.0, most=FINITE)
-        self._take(_raymap.Field(shape, to_vector("origin", origin), to_length("spacing", spacing), clamp, box))
-        self._frame = to_frame(centre, scale)
+        core = _raymap.Field(shape, to_vector("origin", origin), to_length("spacing", spacing), clamp, box)
+        self._take(core, to_frame(centre, scale))
         for name, array in arrays.items():
             if array is not None:
                 given = _arrays.to_numpy(array)
@@ -113,8 +106,8 @@ class Field(GridField):
                     raise UsageError(f"{name} must have the shape of distance, {shape}, not {given.shape}")
                 self._set(name, _ordered(name, given))
 
-    def _take(self, core: _raymap.Field, stats: Stats | None = None) -> None:
-        self._hold(core)
+    def _take(self, core: _raymap.Field, frame: Frame, stats: Stats | None = None) -> None:
+        self._hold(core, frame)
         self._stats: Stats = stats or core.stats()  # type: ignore[assignment]
 
     @property
@@ -197,96 +190,6 @@ class Field(GridField):
             what = "save a .npz, or field.denormalized()"
             raise UsageError(f"{text}: only a .npz holds the centre and scale of a normalized field; {what}")
 
-    def slice(
-        self,
-        axis: int | Literal["x", "y", "z"],
-        index: int | None = None,
-        *,
-        array: FieldArray = "distance",
-        width: int = 512,
-    ) -> npt.NDArray[np.uint8]:
-        """Returns a picture of a slice, (h, w, 3) uint8, rows from the top.
-
-        Outside is warm, inside cool; thin lines mark round distances, a thick line zero. Across x, y points right and
-        z up; across y, x right and z up; across z, x right and y up.
-
-        Args:
-            axis: Axis that the slice crosses: 0, 1, 2 or "x", "y", "z".
-            index: Sample along this axis; negative ones count from the end; None = the middle.
-            array: Array to draw.
-            width: Width in pixels.
-
-        Raises:
-            UsageError: No such axis, sample or array.
-
-        >>> raymap.generate("ball.ply", resolution=16).slice("z", width=100).shape
-        (100, 100, 3)
-        """
-        return slice_of(self._core, axis, index, array, width)
-
-    def render(
-        self,
-        *,
-        width: int = 1024,
-        height: int = 768,
-        direction: tuple[float, float, float] = (-0.6, -0.45, -1.0),
-        up: tuple[float, float, float] = (0.0, 1.0, 0.0),
-        field_of_view: float = 30.0,
-        cut: bool = False,
-        shell: float = 0.0,
-        eye: tuple[float, float, float] | None = None,
-        iso: float = 0.0,
-        cut_plane: tuple[float, float, float, float] | None = None,
-        slice_plane: tuple[float, float, float, float] | None = None,
-        frame: npt.ArrayLike | None = None,
-        device: str = "auto",
-        threads: int | None = None,
-        progress: Progress = None,
-    ) -> npt.NDArray[np.uint8]:
-        """Returns a picture of the surface by sphere tracing, (h, w, 3) uint8, rows from the top.
-
-        Args:
-            width: Width in pixels.
-            height: Height in pixels.
-            direction: Direction from the camera to the shape.
-            up: Direction up in the picture.
-            field_of_view: Angle from the bottom to the top of the picture, in degrees.
-            cut: Whether to remove the half nearer to the camera. The cut face shows the distance inside.
-            shell: Thickness of the wall of a hollow shape, in the mesh's units; 0 = not hollow.
-            eye: Place of the camera, in the mesh's units; None = where the shape fills the picture.
-            iso: Distance at which the surface lies, in the mesh's units.
-            cut_plane: Plane of a cut, instead of the middle one, as (nx, ny, nz, offset): all points p with dot(n, p) =
-                offset. What lies on the side of the normal is removed.
-            slice_plane: Plane on which distances are drawn in the colours and with the lines of ``slice``.
-            frame: Box that the camera frames instead of the shape, ((x0, y0, z0), (x1, y1, z1)). Pictures of a moving
-                shape share one, so that the camera stands still.
-            device: Device that draws; see ``raymap.devices``.
-            threads: Number of CPU threads; None = ``raymap.get_threads()``.
-            progress: A callable that receives a stage and its share, 0 to 1; True to show it.
-
-        Raises:
-            UsageError: Arguments that make no picture.
-            InputError: A sample is not finite.
-
-        >>> field = raymap.generate("ball.ply", resolution=16)
-        >>> field.render(width=64, height=48).shape
-        (48, 64, 3)
-        >>> field.render(width=64, height=48, eye=(3, 1, 2), direction=(-3, -1, -2), cut_plane=(0, 0, 1, 0.4)).shape
-        (48, 64, 3)
-        """
-        options = to_scene(
-            to_view(width, height, direction, up, field_of_view),
-            cut=cut,
-            shell=shell,
-            eye=eye,
-            iso=iso,
-            cut_plane=cut_plane,
-            slice_plane=slice_plane,
-            frame=frame,
-        )
-        with reporting(progress) as report:
-            return _raymap.render_field(self._core, options, to_machine(device, threads), report)
-
     @overload
     def to_html(self, path: None = None, **options: Unpack[PageOptions]) -> str: ...
     @overload
@@ -351,19 +254,12 @@ class Field(GridField):
         other_title: str = "Other field",
         array: FieldArray = "distance",
         max_size: int = 256,
-        width: int = 1024,
-        height: int = 768,
-        direction: tuple[float, float, float] = (-0.6, -0.45, -1.0),
-        up: tuple[float, float, float] = (0.0, 1.0, 0.0),
-        field_of_view: float = 30.0,
-        cut: bool = False,
-        shell: float = 0.0,
         device: str = "auto",
         threads: int | None = None,
         progress: Progress = None,
+        **view: Unpack[ViewOptions],
     ) -> str:
-        view = to_view(width, height, direction, up, field_of_view)
-        view.cut, view.shell = bool(cut), to_number("shell", shell, least=0.0)
+        look = to_view(**view)
         page = _raymap.PageOptions()
         page.title, page.other_title = to_text("title", name if title is None else title), to_text("other_title", other_title)
         page.max_size = to_whole("max_size", max_size)
@@ -373,7 +269,8 @@ class Field(GridField):
             faulty = core_of(_inputs.to_mesh(*mesh) if isinstance(mesh, tuple) else _inputs.to_mesh(mesh))
         core = None if other is None else core_of_field(other)
         with reporting(progress) as report:
-            return _raymap.make_page(self._core, view, page, chosen, faulty, core, to_machine(device, threads), report)
+            machine = to_machine(device, threads)
+            return _raymap.make_page(self._core, look, page, chosen, faulty, core, machine, report)
 
     def compare(self, other: Field, array: FieldArray = "distance") -> Comparison:
         """Returns where an array of this field differs from that of another field on the same grid.
@@ -420,9 +317,6 @@ class Field(GridField):
         """Returns the distances: ``np.asarray(field)`` is ``field.distance``."""
         return np.array(self.distance, dtype=dtype, copy=copy)  # NumPy 1 takes None for False.
 
-    def __repr__(self) -> str:
-        return self._text()
-
     def _repr_html_(self) -> str:
         rows = self._rows()
         if "distance" in self.arrays:
@@ -452,8 +346,7 @@ def core_of_field(field: Field) -> _raymap.Field:
 def field_of_core(core: _raymap.Field, frame: Frame = IDENTITY) -> Field:
     """Returns the field that the extension module has made."""
     made = Field.__new__(Field)
-    made._take(core)
-    made._frame = frame
+    made._take(core, frame)
     return made
 
 
@@ -484,11 +377,11 @@ def _restore(
     frame: Frame,
 ) -> Field:
     """Makes a field of what was pickled."""
+    core = _raymap.Field(shape, to_vector("origin", origin), spacing, clamp_distance, surface_bounds)
     restored = Field.__new__(Field)
-    restored._take(_raymap.Field(shape, to_vector("origin", origin), spacing, clamp_distance, surface_bounds), stats)
+    restored._take(core, frame, stats)
     for name, array in arrays.items():
         restored._set(name, _ordered(name, array))
-    restored._frame = frame
     return restored
 
 

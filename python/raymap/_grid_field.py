@@ -8,12 +8,15 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _arrays, _raymap
-from ._arguments import to_number, to_threads
+from ._arguments import FINITE, to_box, to_number, to_plane, to_text, to_threads, to_vector, to_whole
 from ._arrays import Points, SampleOptions, Singles
+from ._devices import to_machine
 from ._errors import UsageError
-from ._frames import IDENTITY, Frame
+from ._frames import Frame
 from ._mesh import Mesh, mesh_of_core
+from ._pictures import to_view
 from ._progress import Progress, reporting
+from ._records import FieldArray
 
 
 class GridField:
@@ -25,7 +28,7 @@ class GridField:
 
     _frame: Frame
 
-    def _hold(self, core: Any, frame: Frame = IDENTITY) -> None:
+    def _hold(self, core: Any, frame: Frame) -> None:
         self._core, self._views, self._frame = core, {}, frame
 
     def _array(self, name: str) -> npt.NDArray[Any]:
@@ -195,6 +198,120 @@ class GridField:
         """
         with reporting(progress) as report:
             return mesh_of_core(_raymap.isosurface(self._core, to_number("iso", iso), to_threads(threads), report))
+
+    def slice(
+        self,
+        axis: int | Literal["x", "y", "z"],
+        index: int | None = None,
+        *,
+        array: FieldArray = "distance",
+        width: int = 512,
+    ) -> npt.NDArray[np.uint8]:
+        """Returns a picture of a slice, (h, w, 3) uint8, rows from the top.
+
+        Outside is warm, inside cool; thin lines mark round distances, a thick line zero. Across x, y points right and
+        z up; across y, x right and z up; across z, x right and y up.
+
+        A narrow band gives, bit for bit, the slice of its dense field. Where a sample is in no leaf, winding numbers and
+        confidences are not known and violet, and triangles light grey.
+
+        Args:
+            axis: Axis that the slice crosses: 0, 1, 2 or "x", "y", "z".
+            index: Sample along this axis; negative ones count from the end; None = the middle.
+            array: Array to draw.
+            width: Width in pixels.
+
+        Raises:
+            UsageError: No such axis, sample or array.
+
+        >>> raymap.generate("ball.ply", resolution=16).slice("z", width=100).shape
+        (100, 100, 3)
+        >>> raymap.generate("ball.ply", resolution=64, sparse=True).slice("z", width=100).shape
+        (100, 100, 3)
+        """
+        if axis not in (0, 1, 2, "x", "y", "z"):
+            raise UsageError(f"axis must be 0, 1, 2, 'x', 'y' or 'z', not {axis!r}")
+        number = "xyz".index(axis) if isinstance(axis, str) else int(axis)
+        count = self.shape[number]
+        if index is not None and not -count <= index < count:
+            raise UsageError(f"index {index} is out of range: the field has {count} samples along {'xyz'[number]}")
+        chosen = -1 if index is None else index % count
+        return _raymap.render_slice(self._core, number, chosen, to_whole("width", width), to_text("array", array))
+
+    def render(
+        self,
+        *,
+        width: int = 1024,
+        height: int = 768,
+        direction: tuple[float, float, float] = (-0.6, -0.45, -1.0),
+        up: tuple[float, float, float] = (0.0, 1.0, 0.0),
+        field_of_view: float = 30.0,
+        cut: bool = False,
+        shell: float = 0.0,
+        eye: tuple[float, float, float] | None = None,
+        iso: float = 0.0,
+        cut_plane: tuple[float, float, float, float] | None = None,
+        slice_plane: tuple[float, float, float, float] | None = None,
+        frame: npt.ArrayLike | None = None,
+        device: str = "auto",
+        threads: int | None = None,
+        progress: Progress = None,
+    ) -> npt.NDArray[np.uint8]:
+        """Returns a picture of the surface by sphere tracing, (h, w, 3) uint8, rows from the top.
+
+        The CPU draws a narrow band. Rays pass cubes of samples without leaves at once. Distances beyond the band are not
+        known, so ``iso`` lies between ``-inside`` and ``outside``, and ``shell`` is less than ``inside``.
+
+        Args:
+            width: Width in pixels.
+            height: Height in pixels.
+            direction: Direction from the camera to the shape.
+            up: Direction up in the picture.
+            field_of_view: Angle from the bottom to the top of the picture, in degrees.
+            cut: Whether to remove the half nearer to the camera. The cut face shows the distance inside.
+            shell: Thickness of the wall of a hollow shape, in the mesh's units; 0 = not hollow.
+            eye: Place of the camera, in the mesh's units; None = where the shape fills the picture.
+            iso: Distance at which the surface lies, in the mesh's units.
+            cut_plane: Plane of a cut, instead of the middle one, as (nx, ny, nz, offset): all points p with dot(n, p) =
+                offset. What lies on the side of the normal is removed.
+            slice_plane: Plane on which distances are drawn in the colours and with the lines of ``slice``.
+            frame: Box that the camera frames instead of the shape, ((x0, y0, z0), (x1, y1, z1)). Pictures of a moving
+                shape share one, so that the camera stands still.
+            device: Device that draws; see ``raymap.devices``. A narrow band takes ``"auto"`` and ``"cpu"``.
+            threads: Number of CPU threads; None = ``raymap.get_threads()``.
+            progress: A callable that receives a stage and its share, 0 to 1; True to show it.
+
+        Raises:
+            UsageError: Arguments that make no picture.
+            InputError: A sample is not finite.
+
+        >>> field = raymap.generate("ball.ply", resolution=16)
+        >>> field.render(width=64, height=48).shape
+        (48, 64, 3)
+        >>> raymap.generate("ball.ply", resolution=64, sparse=True).render(width=64, height=48).shape
+        (48, 64, 3)
+        >>> field.render(width=64, height=48, eye=(3, 1, 2), direction=(-3, -1, -2), cut_plane=(0, 0, 1, 0.4)).shape
+        (48, 64, 3)
+        """
+        view = to_view(width, height, direction, up, field_of_view, cut, shell)
+        view.iso = to_number("iso", iso, least=-FINITE, most=FINITE)
+        if eye is not None:
+            view.stand_at(to_vector("eye", eye))
+        if cut_plane is not None:
+            view.cut_at(*to_plane("cut_plane", cut_plane))
+        if slice_plane is not None:
+            view.slice_at(*to_plane("slice_plane", slice_plane))
+        if frame is not None:
+            view.frame_box(*to_box("frame", frame))
+        with reporting(progress) as report:
+            return _raymap.render_field(self._core, view, self._machine(device, threads), report)
+
+    def _machine(self, device: str, threads: int | None) -> _raymap.MachineOptions:
+        """Returns what draws the field."""
+        return to_machine(device, threads)
+
+    def __repr__(self) -> str:
+        return self._text()
 
     def _text(self, *more: str) -> str:
         """Returns the field in one line. ``more`` follows the number of samples."""

@@ -12,7 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _inputs, _raymap, _views
-from ._arguments import FINITE, to_number, to_threads, to_vector, to_whole
+from ._arguments import FINITE, to_names, to_number, to_threads, to_vector, to_whole
 from ._devices import to_machine
 from ._errors import UsageError
 from ._frames import Frame, Normalization, frame_of, to_normalization
@@ -72,12 +72,12 @@ class Mixture:
 
 
 def to_mixture(
-    near: float = 0.94,
-    sigma: float | Iterable[float] = (0.0025, 0.00025),
-    surface: float = 0.0,
-    region: Region = "sphere",
-    padding: float = 0.0,
-    normalize: bool | Normalization = False,
+    near: float,
+    sigma: float | Iterable[float],
+    surface: float,
+    region: Region,
+    padding: float,
+    normalize: bool | Normalization,
 ) -> Mixture:
     """Returns the mixture that arguments ask for. Checks them."""
     if region not in get_args(Region):
@@ -402,9 +402,7 @@ class Sampler(Sequence[dict[str, npt.NDArray[Any]]]):
 
 def _array_names(arrays: Iterable[str]) -> tuple[str, ...]:
     known = get_args(SampleArray)
-    names = {arrays} if isinstance(arrays, str) else set(arrays) - {"points"}
-    if unknown := names - set(known):
-        raise UsageError(f"arrays: nothing is named {sorted(unknown)[0]!r}; there are {', '.join(known)}")
+    names = to_names(arrays if isinstance(arrays, str) else set(arrays) - {"points"}, known)
     return tuple(name for name in known if name in names)
 
 

@@ -9,9 +9,9 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _arrays, _raymap, _views
-from ._arguments import to_text
+from ._arguments import to_names, to_text
 from ._devices import to_machine
-from ._errors import InputError, UsageError
+from ._errors import InputError
 from ._field import Field, core_of_field
 from ._progress import Progress, reporting
 from ._sparse import SparseField, core_of_sparse
@@ -195,9 +195,7 @@ class Scene:
         (array([2., 1.]), array([0, 1], dtype=uint32), array([[1., 0., 0.],
                [0., 0., 1.]]))
         """
-        names: set[str] = {arrays} if isinstance(arrays, str) else set(arrays)
-        if unknown := names - set(SceneQuery._fields):
-            raise UsageError(f"arrays: nothing is named {sorted(unknown)[0]!r}; there are {', '.join(SceneQuery._fields)}")
+        names = to_names(arrays, SceneQuery._fields)
         options = _raymap.SceneOptions()
         for name in SceneQuery._fields:
             setattr(options, name, name in names)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterable, Mapping
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -16,8 +16,6 @@ from ._errors import UsageError
 from ._field import Field, core_of_field, field_of_core
 from ._frames import IDENTITY, Frame
 from ._grid_field import GridField
-from ._pictures import slice_of, to_scene, to_view
-from ._progress import Progress, reporting
 from ._records import FieldArray
 
 #: Width of a band in samples: on both sides of the surface, or inside and outside; None = 3.
@@ -156,68 +154,6 @@ class SparseField(GridField):
         """Bytes that the field holds."""
         return self._core.nbytes
 
-    def slice(
-        self,
-        axis: int | Literal["x", "y", "z"],
-        index: int | None = None,
-        *,
-        array: FieldArray = "distance",
-        width: int = 512,
-    ) -> npt.NDArray[np.uint8]:
-        """Returns a picture of a slice, (h, w, 3) uint8, rows from the top.
-
-        Arguments, results and errors are those of ``Field.slice`` of the dense field, bit for bit. Where a sample is in
-        no leaf, winding numbers and confidences are not known and violet, and triangles light grey.
-
-        >>> raymap.generate("ball.ply", resolution=64, sparse=True).slice("z", width=100).shape
-        (100, 100, 3)
-        """
-        return slice_of(self._core, axis, index, array, width)
-
-    def render(
-        self,
-        *,
-        width: int = 1024,
-        height: int = 768,
-        direction: tuple[float, float, float] = (-0.6, -0.45, -1.0),
-        up: tuple[float, float, float] = (0.0, 1.0, 0.0),
-        field_of_view: float = 30.0,
-        cut: bool = False,
-        shell: float = 0.0,
-        eye: tuple[float, float, float] | None = None,
-        iso: float = 0.0,
-        cut_plane: tuple[float, float, float, float] | None = None,
-        slice_plane: tuple[float, float, float, float] | None = None,
-        frame: npt.ArrayLike | None = None,
-        threads: int | None = None,
-        progress: Progress = None,
-    ) -> npt.NDArray[np.uint8]:
-        """Returns a picture of the surface by sphere tracing, (h, w, 3) uint8, rows from the top.
-
-        Rays pass cubes of samples without leaves at once. Distances beyond the band are not known, so ``iso`` lies
-        between ``-inside`` and ``outside``, and ``shell`` is less than ``inside``. All other arguments are those of
-        ``Field.render``. The CPU draws.
-
-        Raises:
-            UsageError: Arguments that make no picture.
-            InputError: A value is not finite.
-
-        >>> raymap.generate("ball.ply", resolution=64, sparse=True).render(width=64, height=48).shape
-        (48, 64, 3)
-        """
-        options = to_scene(
-            to_view(width, height, direction, up, field_of_view),
-            cut=cut,
-            shell=shell,
-            eye=eye,
-            iso=iso,
-            cut_plane=cut_plane,
-            slice_plane=slice_plane,
-            frame=frame,
-        )
-        with reporting(progress) as report:
-            return _raymap.render_field(self._core, options, to_machine("cpu", threads), report)
-
     def to_dense(self, *, threads: int | None = None, memory_limit: int | None = None) -> Field:
         """Returns the field of all samples.
 
@@ -276,6 +212,11 @@ class SparseField(GridField):
             text = "no file holds the centre and scale of a normalized narrow band; save band.denormalized()"
             raise UsageError(f"{os.fspath(path)}: {text}")
         self._core.save(os.fspath(path))
+
+    def _machine(self, device: str, threads: int | None) -> _raymap.MachineOptions:
+        if to_text("device", device) not in ("auto", "cpu"):
+            raise UsageError(f"a narrow band is drawn on the CPU, not on {device!r}")
+        return to_machine("cpu", threads)
 
     def __repr__(self) -> str:
         return self._text(f"{len(self.origins)} leaves")

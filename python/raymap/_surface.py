@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _arrays, _inputs, _raymap, _views
-from ._arguments import set_arrays, to_length, to_number, to_vector, to_wholes
+from ._arguments import set_arrays, to_length, to_names, to_number, to_vector, to_wholes
 from ._arrays import Doubles, Indices, Points, Singles
 from ._devices import to_machine
 from ._errors import InputError, UsageError
@@ -322,7 +322,7 @@ class Surface:
         >>> found.distance.round(2), found.winding.round(3), found.closest
         (array([-0.99,  1.5 ]), array([1., 0.], dtype=float32), None)
         """
-        names: set[str] = {arrays} if isinstance(arrays, str) else set(arrays)
+        names = to_names(arrays, Query._fields)
         found = self._query(points, names, max_distance, threads, progress)
         return Query(*(_arrays.like(found[name], points) if name in names else None for name in Query._fields))
 
@@ -330,9 +330,6 @@ class Surface:
         self, points: Any, names: set[str], max_distance: float | None, threads: int | None, progress: Progress
     ) -> dict[str, Any]:
         """Returns NumPy arrays by name, in the shape of the points."""
-        if unknown := names - set(Query._fields):
-            known = ", ".join(Query._fields)
-            raise UsageError(f"arrays: nothing is named {sorted(unknown)[0]!r}; there are {known}")
         options = _raymap.QueryOptions()
         for name in Query._fields:
             setattr(options, name, name in names)

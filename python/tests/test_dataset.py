@@ -627,7 +627,7 @@ def test_odd_arguments(meshes: Path, tmp_path: Path) -> None:
         ({"time_limit": 0}, "time_limit must be above 0"),
         ({"resolution": 0}, "resolution must be 1 or more"),
         ({"memory_limit": -1}, "memory_limit must be above 0"),
-        ({"arrays": ["colour"]}, "no array is named 'colour'"),
+        ({"arrays": ["colour"]}, "nothing is named 'colour'"),
     ]:
         with pytest.raises(raymap.UsageError, match=text):
             raymap.dataset.generate(meshes, "out", **options)

@@ -127,7 +127,7 @@ def test_stats(ball):
     (dict(sign="none", arrays=["confidence"]), raymap.UsageError, "winding and confidence need a sign"),
     (dict(sign="none", close_holes=True), raymap.UsageError, None),
     (dict(distance="raster", arrays=["triangle"]), raymap.UsageError, None),
-    (dict(arrays=["colour"]), raymap.UsageError, "no array is named 'colour'"),
+    (dict(arrays=["colour"]), raymap.UsageError, "nothing is named 'colour'"),
     (dict(threads=-1), raymap.UsageError, "threads"),
     (dict(memory_limit=0), raymap.UsageError, "memory_limit must be 1 or more, not 0"),
     (dict(memory_limit=1000), raymap.MemoryLimitError, "the field needs"),

@@ -89,7 +89,8 @@ def test_pictures_are_those_of_the_dense_field(band):
     seen = []
     band.render(width=20, height=20, threads=1, progress=lambda stage, done: seen.append((stage, done)))
     assert seen[-1] == ("render", 1.0)
-    for wrong in ({"iso": width}, {"shell": width}, {"field_of_view": 0}, {"width": 0}, {"eye": (1, 2)}):
+    np.testing.assert_array_equal(band.render(width=60, height=50, device="cpu"), pictures[0])
+    for wrong in ({"iso": width}, {"shell": width}, {"field_of_view": 0}, {"width": 0}, {"eye": (1, 2)}, {"device": "vulkan"}):
         with pytest.raises(raymap.UsageError):
             band.render(**wrong)
 
@@ -223,7 +224,7 @@ def test_it_may_be_empty(ball):
         ({"band": (2, np.inf)}, "the number outside must be finite, not inf"),
         ({"band": np.inf}, "band must be finite"),
         ({"sign": "none", "arrays": ("winding",)}, "need a sign"),
-        ({"arrays": ("colour",)}, "no array is named 'colour'"),
+        ({"arrays": ("colour",)}, "nothing is named 'colour'"),
     ],
 )
 def test_what_a_narrow_band_cannot_do_is_refused(ball, options, message):

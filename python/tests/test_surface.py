@@ -430,7 +430,7 @@ def test_regions_refuse_what_makes_no_sense(surface):
     refuses(TypeError, "low must be a whole number", low=(0.5, 0, 0))
     refuses(raymap.UsageError, "spacing must be above 0", spacing=0)
     refuses(raymap.UsageError, "band must be above 0", band=0)
-    refuses(raymap.UsageError, "no array is named 'colour'", arrays=("colour",))
+    refuses(raymap.UsageError, "nothing is named 'colour'", arrays=("colour",))
     refuses(raymap.MemoryLimitError, "the field needs", memory_limit=1000)
     refuses(raymap.Cancelled, None, progress=lambda stage, share: False)
     with pytest.raises(raymap.UsageError, match="made without a sign"):
