@@ -260,6 +260,36 @@ TEST(Surface, FollowsTheWindingNumberOfSoups) {
   EXPECT_LT(sum, 1e-3 * double(points.size()));
 }
 
+TEST(Surface, HasNoWrongSignWhereNumbersChangeSteeply) {
+  // Around the rims of so many plates, numbers change by more than one from a sample to the next.
+  Mesh plates;
+  for (int k = 0; k < 8; ++k) {
+    const Mesh plate = shapes::box({-1, -1, -0.001 * k}, {1, 1, 1});
+    for (const glm::uvec3& t : plate.triangles)
+      if (plate.position(t.x).z < 0.5 && plate.position(t.y).z < 0.5 && plate.position(t.z).z < 0.5)
+        plates.triangles.push_back(t + uint32_t(plates.vertices.size()));
+    for (uint32_t v = 0; v < plate.vertices.size(); ++v) plates.vertices.emplace_back(plate.position(v));
+  }
+  const Surface surface(plates, {.orientation = Orientation::Keep});
+  std::mt19937_64 random(4);
+  std::uniform_real_distribution<double> along(-0.9, 0.9), aside(-0.15, 0.15);
+  std::vector<glm::dvec3> points;
+  for (int k = 0; k < 4000; ++k) {
+    const double x = 1.0 + aside(random), y = along(random), z = aside(random);
+    points.emplace_back(x, y, z);
+  }
+  const QueryResult found = surface.query(points);
+  size_t inside = 0;
+  for (size_t i = 0; i < points.size(); ++i) {
+    const double number = std::abs(reference::windingNumber(plates, points[i]));
+    if (std::abs(number - 0.5) < 1e-4) continue;
+    EXPECT_EQ(found.distance[i]<0.0, number> 0.5) << number;
+    if (number > 0.5) ++inside;
+  }
+  EXPECT_GT(inside, 500u);
+  EXPECT_LT(inside, 3500u);
+}
+
 TEST(Surface, HasNoWrongSignCloseToOpenSurfacesAwayFromRims) {
   const Mesh whole = shapes::sphere(1.0, 3);
   const Mesh open = keepTriangles(whole, [&](const glm::uvec3& t) { return whole.position(t.x).z < 0.8; });

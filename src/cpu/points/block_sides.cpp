@@ -122,33 +122,45 @@ class SideFinder {
 
   void find() {
     joinAll();
-    const std::vector<uint32_t> asked =
-        parallelSelect(firsts_.size(), [&](uint32_t k) { return firsts_[k] == k; });
+    std::ranges::fill(sides_, Side::Unknown);
     numbers_.assign(firsts_.size(), NAN);
-    ask(asked);
+    ask(parallelSelect(firsts_.size(),
+                       [&](uint32_t k) { return firsts_[k] == k && changes_[cubes_[k]].bend < kWhole; }));
     parallelFor(firsts_.size(), kCheapGrain, [&](size_t from, size_t to) {
       for (size_t k = from; k < to; ++k)
         if (firsts_[k] != k) sides_[k] = sides_[firsts_[k]];
+      for (size_t k = from; k < to; ++k)
+        if (sides_[k] == Side::Unknown) sides_[k] = decided(numberAt(k), doubtAt(k));
     });
-    // With many rims, exact numbers cost more than the points of small cubes.
-    if (blocks_.side > 1 && (blocks_.reach > 0.0 || surface_.rims.count() <= kFewRims)) findRest();
+    if (blocks_.side > leastSide()) findRest();
   }
 
  private:
   /// Numbers that are closer than this to each other tell which whole number lies between.
   static constexpr double kWhole = 0.45;
+  /// Numbers that are less exact are not kept.
+  static constexpr double kMostDoubt = 1e-2;
+
+  /// Returns the side of the smallest cubes. With many rims, numbers cost more than the points of small cubes.
+  int leastSide() const {
+    const size_t rims = surface_.rims.count();
+    if (blocks_.reach > 0.0 || rims <= kFewRims) return 1;
+    return rims <= kExactRims ? 4 : BlockPoints::kMostSide;
+  }
 
   void joinAll() {
     // Exceeds the errors of two distances.
     const double overlap = 2.0 * surface_.grid.spacing * double(slackOf(surface_.tree, surface_.grid.dims));
     firsts_.resize(blocks_.points.size());
     cubes_.resize(blocks_.points.size());
+    changes_.resize(blocks_.begins.size() - 1);
     parallelFor(blocks_.begins.size() - 1, 64, [&](size_t from, size_t to) {
       JoinedPoints joined(blocks_.side);
       for (size_t cube = from; cube < to; ++cube) {
         const size_t begin = blocks_.begins[cube], end = blocks_.begins[cube + 1];
         joined.join(blocks_, begin, end, overlap, firsts_);
         std::fill(cubes_.begin() + ptrdiff_t(begin), cubes_.begin() + ptrdiff_t(end), uint32_t(cube));
+        changes_[cube] = changeIn(begin);
       }
     });
   }
@@ -162,7 +174,6 @@ class SideFinder {
                            [&](uint32_t k) { return sides_[k] == Side::Unknown && std::isnan(numbers_[k]); });
       rest = std::move(left);
     };
-    for (const uint32_t k : which) sides_[k] = Side::Unknown;
     decide(which, [&](size_t i) { return known(which[i]); });
     takeRest(which);
     // A point alone is as well queried by the caller.
@@ -181,7 +192,7 @@ class SideFinder {
 
   /// Returns what follows from a number of the larger cube.
   Number known(uint32_t point) const {
-    if (std::isnan(near_[point]) || surface_.rims.count() > kFewRims) return {0.0, INFINITY};
+    if (std::isnan(near_[point]) || surface_.rims.count() > kExactRims) return {0.0, INFINITY};
     return numberNear(surface_, blocks_.points[point], near_[point]);
   }
 
@@ -193,31 +204,49 @@ class SideFinder {
     });
   }
 
-  /// Returns the side of all that a point is joined to, and keeps its number if it says something about
-  /// theirs.
+  /// Returns the side of a number that may be wrong by some doubt.
+  Side decided(double number, double doubt) const {
+    if (!(std::abs(std::abs(number) - surface_.threshold) > doubt)) return Side::Unknown;
+    return std::abs(number) > surface_.threshold ? Side::Inside : Side::Outside;
+  }
+
+  /// Returns the side of all that a point is joined to, and keeps its number if theirs follow from it.
   Side sideOf(uint32_t point, const Number& number) {
-    const double gap = std::abs(std::abs(number.winding) - surface_.threshold) - number.doubt;
-    if (std::isinf(number.doubt)) return Side::Unknown;
-    const double change = isWhole() ? 0.0 : mostChange(point);
-    if (change >= gap) {
-      if (number.doubt < 1e-2 && change + number.doubt < kWhole) numbers_[point] = number.winding;
-      return Side::Unknown;
-    }
-    return std::abs(number.winding) > surface_.threshold ? Side::Inside : Side::Outside;
+    const auto& [slope, bend] = changes_[cubes_[point]];
+    const double change = 2.0 * radius() * glm::length(slope) + bend;
+    const Side side = decided(number.winding, change + number.doubt);
+    if (side == Side::Unknown && number.doubt < kMostDoubt && bend + kMostDoubt < kWhole)
+      numbers_[point] = number.winding;
+    return side;
+  }
+
+  /// Returns the number of a point that follows from that of the point it is joined to, or NaN.
+  double numberAt(size_t point) const {
+    const size_t first = firsts_[point];
+    const glm::dvec3 way = blocks_.points[point] - blocks_.points[first];
+    return numbers_[first] + glm::dot(changes_[cubes_[point]].slope, way);
+  }
+
+  /// Returns how far that may be wrong within the point's reach.
+  double doubtAt(size_t point) const {
+    const auto& [slope, bend] = changes_[cubes_[point]];
+    return kMostDoubt + bend + blocks_.reach * glm::length(slope);
   }
 
   /// Returns whether winding numbers are whole, so that they change at the surface alone.
   bool isWhole() const { return surface_.lattice.isWhole(); }
 
-  /// Returns a bound on the change of the number between a point and all that it is joined to.
-  double mostChange(uint32_t point) const {
-    if (blocks_.side == 1 && blocks_.reach == 0.0) return 0.0;
-    const size_t first = blocks_.begins[cubes_[point]];
-    const glm::dvec3 toMiddle = 0.5 * double(blocks_.side - 1) - glm::dvec3(placeOf(first));
-    const glm::dvec3 centre = blocks_.points[first] + blocks_.spacing * toMiddle;
-    const double radius = 0.5 * std::sqrt(3.0) * double(blocks_.side - 1) * blocks_.spacing + blocks_.reach;
-    const double way = glm::distance(blocks_.points[point], centre) + radius;
-    return way * surface_.rims.mostGradient(centre - surface_.mesh.origin, radius);
+  /// Returns the radius of a ball about a cube and what its points reach.
+  double radius() const {
+    return 0.5 * std::sqrt(3.0) * double(blocks_.side - 1) * blocks_.spacing + blocks_.reach;
+  }
+
+  /// Returns how the number changes in that ball of the cube that has a point.
+  RimChange changeIn(size_t point) const {
+    if (isWhole() || radius() == 0.0) return {};
+    const glm::dvec3 toMiddle = 0.5 * double(blocks_.side - 1) - glm::dvec3(placeOf(point));
+    const glm::dvec3 centre = blocks_.points[point] + blocks_.spacing * toMiddle;
+    return surface_.rims.changeIn(centre - surface_.mesh.origin, radius());
   }
 
   /// Returns the place of a point in its cube, along each axis.
@@ -268,7 +297,7 @@ class SideFinder {
       const glm::ivec3 p = placeOf(k) % side;
       halved.points.push_back(blocks_.points[k]);
       halved.distances.push_back(blocks_.distances[k]);
-      halved.near.push_back(numbers_[firsts_[k]]);
+      halved.near.push_back(numberAt(k));
       halved.places.push_back(uint16_t((p.z * side + p.y) * side + p.x));
     }
     return halved;
@@ -281,7 +310,8 @@ class SideFinder {
   std::span<Side> sides_;
   std::vector<uint32_t> firsts_;  // Of each point, the first of its cube that it is joined to.
   std::vector<uint32_t> cubes_;
-  std::vector<double> numbers_;  // Of those first points whose number is within `kWhole` of all joined ones'.
+  std::vector<RimChange> changes_;  // In the ball about each cube, and what its points reach.
+  std::vector<double> numbers_;     // Of first points, if the numbers of all joined ones follow within `kWhole`.
 };
 
 }  // namespace

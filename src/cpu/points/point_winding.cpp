@@ -30,8 +30,9 @@ constexpr float kClear = 0.1f;
 /// A way to a point that passes rims by less than this is taken only if there is no better one.
 constexpr double kSafeClearance = 1e-4;
 
-/// Most that a number changes between a sample and a point, but for crossings, where no rim is near.
-constexpr float kMostChange = 0.15f;
+/// A number changes by up to so much between a sample and a point, but for crossings, where no rim is near,
+/// or by up to so many times what it changes between the samples around the point.
+constexpr float kLeastChange = 0.15f, kBend = 1.5f;
 
 /// Up to so many rims tell the numbers themselves.
 constexpr size_t kSomeRims = 4096;
@@ -80,7 +81,7 @@ glm::vec3 PointWinding::place(uint32_t sample) const {
 }
 
 PointWinding::Reference PointWinding::findReference(const glm::vec3& p, float distance) const {
-  const glm::ivec3 low = glm::clamp(glm::ivec3(p), glm::ivec3(0), glm::max(dims_ - 2, 0));
+  const glm::ivec3 low = lowestCorner(p);
   const size_t first = source_.lattice.grid.index(low);
   const glm::vec3 d = p - glm::vec3(low), e = d - 1.0f, d2 = d * d, e2 = e * e;
   float clear[kCorners], length2[kCorners], reach[kCorners];
@@ -100,12 +101,31 @@ PointWinding::Reference PointWinding::findReference(const glm::vec3& p, float di
   return best;
 }
 
-/// Returns whether the number's side of the threshold is sure, although it comes from a sample at this
-/// distance from the surface.
-bool PointWinding::isSettled(double winding, float distance) const {
-  if (source_.lattice.isWhole()) return true;
-  const double gap = std::abs(std::abs(winding) - source_.threshold);
-  return gap >= latticeError(distance) + kMostChange;
+/// Returns how far a number may be wrong that comes from a sample at this distance from the surface.
+float PointWinding::doubtFrom(const glm::vec3& p, float distance) const {
+  if (source_.lattice.isWhole()) return 0.0f;
+  const size_t first = source_.lattice.grid.index(lowestCorner(p));
+  float change = 0.0f;
+  for (const uint32_t axis : {1u, 2u, 4u}) {
+    float most = 0.0f;
+    for (uint32_t c = 0; c < kCorners; ++c) {
+      const float step = source_.lattice.winding[first + offsets_[c | axis]] -
+                         source_.lattice.winding[first + offsets_[c & ~axis]];
+      most = std::max(most, std::abs(step - std::round(step)));
+    }
+    change += most;
+  }
+  return latticeError(distance) + std::max(kLeastChange, kBend * change);
+}
+
+/// Returns whether the number's side of the threshold is sure.
+bool PointWinding::isSettled(double winding, float doubt) const {
+  return source_.lattice.isWhole() || std::abs(std::abs(winding) - source_.threshold) >= doubt;
+}
+
+/// Returns the lowest sample of the cell that has a point, or of the nearest cell.
+glm::ivec3 PointWinding::lowestCorner(const glm::vec3& p) const {
+  return glm::clamp(glm::ivec3(p), glm::ivec3(0), glm::max(dims_ - 2, 0));
 }
 
 /// Computes the numbers of those points that have crossings from a sample. Unsure ones become NaN.
@@ -158,8 +178,7 @@ double PointWinding::exactNumber(const WindingPoints& points, size_t i) {
   const glm::vec3& p = points.cells[i];
   const int size = std::max({dims_.x, dims_.y, dims_.z});
   if (glm::length(p) > kOutOfSight * static_cast<float>(size)) return 0.0;
-  const glm::ivec3 low = glm::clamp(glm::ivec3(p), glm::ivec3(0), glm::max(dims_ - 2, 0));
-  const auto first = uint32_t(source_.lattice.grid.index(low));
+  const auto first = uint32_t(source_.lattice.grid.index(lowestCorner(p)));
   RimShare best{source_.lattice.winding[nearestSample(p)], 0.0};
   for (uint32_t c = 0; c <= kCorners && best.clearance < kSafeClearance; ++c) {
     const RimShare number = numberFrom(c < kCorners ? first + offsets_[c] : 0, points, i);
@@ -173,7 +192,7 @@ void PointWinding::compute(const WindingPoints& points, std::span<double> windin
   const bool isWhole = source_.lattice.isWhole();
   asked_.clear();
   crossing_.clear();
-  clear_.assign(points.cells.size(), 0.0f);
+  doubt_.assign(points.cells.size(), 0.0f);
   for (uint32_t i = 0; i < points.cells.size(); ++i) {
     const glm::vec3& p = points.cells[i];
     const bool isBeyond = isOutside(p);
@@ -181,7 +200,7 @@ void PointWinding::compute(const WindingPoints& points, std::span<double> windin
     if (isBeyond || isNearRim(p)) continue;
     const Reference reference = findReference(p, points.distance[i]);
     if (reference.sample == Reference::kNone) continue;
-    clear_[i] = source_.lattice.distance[reference.sample];
+    doubt_[i] = doubtFrom(p, source_.lattice.distance[reference.sample]);
     if (reference.isVisible)
       winding[i] = source_.lattice.winding[reference.sample];
     else
@@ -197,16 +216,15 @@ void PointWinding::compute(const WindingPoints& points, std::span<double> windin
   }
   asked_.clear();
   for (uint32_t i = 0; i < points.cells.size(); ++i)
-    if (std::isnan(winding[i]) || !isSettled(winding[i], clear_[i])) {
+    if (std::isnan(winding[i]) || !isSettled(winding[i], doubt_[i])) {
       asked_.push_back(i);
-      clear_[i] = -1.0f;
+      doubt_[i] = INFINITY;
     }
   settle(points, winding);
 }
 
 double PointWinding::doubtOf(size_t point) const {
-  if (source_.lattice.isWhole()) return 0.0;
-  return clear_[point] < 0.0f ? INFINITY : latticeError(clear_[point]) + kMostChange;
+  return source_.lattice.isWhole() ? 0.0 : doubt_[point];
 }
 
 void PointWinding::computeClosely(const WindingPoints& points, std::span<double> winding) {
@@ -249,7 +267,7 @@ double PointWinding::sideOf(const WindingPoints& points, size_t i, double windin
   const glm::vec3& p = points.cells[i];
   if (points.distance[i] > slack_ || isOutside(p) || isNearRim(p)) return winding;
   const double crossed = exactNumber(points, i);
-  return isSettled(crossed, 0.0f) ? winding + std::round(crossed - winding) : winding;
+  return isSettled(crossed, doubtFrom(p, 0.0f)) ? winding + std::round(crossed - winding) : winding;
 }
 
 }  // namespace raymap::cpu

@@ -82,7 +82,9 @@ class PointWinding {
   glm::vec3 place(uint32_t sample) const;
   bool isOutside(const glm::vec3& p) const;
   bool isNearRim(const glm::vec3& p) const;
-  bool isSettled(double winding, float distance) const;
+  glm::ivec3 lowestCorner(const glm::vec3& p) const;
+  float doubtFrom(const glm::vec3& p, float distance) const;
+  bool isSettled(double winding, float doubt) const;
   void crossFrom(uint32_t sample, const WindingPoints& points, std::span<const uint32_t> which,
                  std::span<double> winding);
   int32_t crossingsFrom(const glm::vec3& from, const glm::vec3& cells, const glm::dvec3& exactFrom,
@@ -102,8 +104,7 @@ class PointWinding {
   std::vector<uint64_t> crossing_;  // a point below its sample
   std::vector<glm::vec3> ends_;
   std::vector<int32_t> changes_;
-  std::vector<float>
-      clear_;  // distance of the surface from the sample of each point; < 0 if not taken from it
+  std::vector<float> doubt_;  // how far the number of each point may be wrong, if it is taken from a sample
   std::vector<float> numbers_;
 };
 

@@ -34,6 +34,13 @@ inline constexpr double kMostClearance = RimShare().clearance;
 /// Shorter numbers count as 1, so that no product leaves the range of its type.
 template <class T>
 inline constexpr double kShortest = sizeof(T) == sizeof(double) ? 1e-14 : 1e-2;
+
+/// Sums over rims at a ball, from which the change of the winding number follows.
+struct RimSums {
+  glm::dvec3 slope{0.0};
+  double first = 0.0, second = 0.0;  ///< Bounds on the sum of first and second derivatives.
+  float nearest = 0.0f;              ///< Distance of the nearest rim from the ball.
+};
 }  // namespace raymap::cpu
 #endif
 
@@ -175,6 +182,52 @@ RimShare sumDoubles(const RimPaths& paths, const glm::dvec3& p, const glm::dvec3
   return sumRims<double>(paths, p, direction);
 }
 
+/// The law of Biot and Savart for each straight rim, without the factor 1 / 4 pi. Bounds hold in the ball.
+RimSums sumChanges(const RimPaths& paths, const glm::vec3& centre, float reach) {
+  const hn::CappedTag<float, kMostLanes> d;
+  using V = hn::Vec<decltype(d)>;
+  const size_t lanes = hn::Lanes(d), count = paths.isStart.size() - kMostLanes;
+  const V zero = hn::Zero(d), tiny = hn::Set(d, 1e-30f), far = hn::Set(d, std::numeric_limits<float>::max());
+  const V cx = hn::Set(d, centre.x), cy = hn::Set(d, centre.y), cz = hn::Set(d, centre.z);
+  const V two = hn::Set(d, 2.0f), four = hn::Set(d, 4.0f), pi = hn::Set(d, std::numbers::pi_v<float>);
+  const auto dot = [](V ax, V ay, V az, V bx, V by, V bz) {
+    return hn::MulAdd(ax, bx, hn::MulAdd(ay, by, hn::Mul(az, bz)));
+  };
+  V slopeX = zero, slopeY = zero, slopeZ = zero, first = zero, second = zero, nearest = far;
+  for (size_t i = 0; i < count; i += lanes) {
+    const auto from = [&](size_t k, int axis, V c) { return hn::Sub(hn::LoadU(d, &paths.vertices[axis][k]), c); };
+    const V ax = from(i, 0, cx), ay = from(i, 1, cy), az = from(i, 2, cz);
+    const V bx = from(i + 1, 0, cx), by = from(i + 1, 1, cy), bz = from(i + 1, 2, cz);
+    const auto isRim = hn::Ne(hn::LoadU(d, &paths.isStart[i]), zero);
+    const V ex = hn::Sub(bx, ax), ey = hn::Sub(by, ay), ez = hn::Sub(bz, az);
+    const V nx = hn::MulSub(ay, ez, hn::Mul(az, ey)), ny = hn::MulSub(az, ex, hn::Mul(ax, ez)),
+            nz = hn::MulSub(ax, ey, hn::Mul(ay, ex));
+    const V a = hn::Sqrt(dot(ax, ay, az, ax, ay, az)), b = hn::Sqrt(dot(bx, by, bz, bx, by, bz));
+    // a b + dot, without cancellation.
+    const V ab = hn::Mul(a, b), cosine = dot(ax, ay, az, bx, by, bz), n2 = dot(nx, ny, nz, nx, ny, nz);
+    const V sum = hn::IfThenElse(hn::Lt(cosine, zero), hn::Div(n2, hn::Max(hn::Sub(ab, cosine), tiny)),
+                                 hn::Add(ab, cosine));
+    const V factor = hn::IfThenElseZero(isRim, hn::Div(hn::Add(a, b), hn::Max(hn::Mul(ab, sum), tiny)));
+    slopeX = hn::MulAdd(nx, factor, slopeX);
+    slopeY = hn::MulAdd(ny, factor, slopeY);
+    slopeZ = hn::MulAdd(nz, factor, slopeZ);
+    const V e2 = dot(ex, ey, ez, ex, ey, ez), length = hn::Sqrt(e2);
+    const V along = hn::Div(hn::Neg(dot(ax, ay, az, ex, ey, ez)), hn::Max(e2, tiny));
+    const V place = hn::Min(hn::Max(along, zero), hn::Set(d, 1.0f));
+    const V qx = hn::MulAdd(place, ex, ax), qy = hn::MulAdd(place, ey, ay), qz = hn::MulAdd(place, ez, az);
+    const V toBall = hn::Sub(hn::Sqrt(dot(qx, qy, qz, qx, qy, qz)), hn::Set(d, reach));
+    nearest = hn::Min(nearest, hn::IfThenElse(isRim, toBall, far));
+    // The second of each is the integral along an infinite line.
+    const V over = hn::Div(hn::Set(d, 1.0f), hn::Max(toBall, hn::Set(d, 1e-9f))), over2 = hn::Mul(over, over);
+    const V slope = hn::Min(hn::Mul(length, over2), hn::Mul(pi, over));
+    const V bend = hn::Min(hn::Mul(two, hn::Mul(length, hn::Mul(over2, over))), hn::Mul(four, over2));
+    first = hn::Add(first, hn::IfThenElseZero(isRim, slope));
+    second = hn::Add(second, hn::IfThenElseZero(isRim, bend));
+  }
+  const auto total = [&](V v) { return double(hn::GetLane(hn::SumOfLanes(d, v))); };
+  return {{total(slopeX), total(slopeY), total(slopeZ)}, total(first), total(second), hn::GetLane(hn::MinOfLanes(d, nearest))};
+}
+
 }  // namespace
 }  // namespace raymap::cpu::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
@@ -186,6 +239,10 @@ namespace {
 
 HWY_EXPORT(sumFloats);
 HWY_EXPORT(sumDoubles);
+HWY_EXPORT(sumChanges);
+
+/// With more rims, their slope costs more than it tells.
+constexpr size_t kMostSlopes = 4096;
 
 /// Returns a bound on the error in single precision.
 double floatError(size_t rims, double clearance) {
@@ -244,7 +301,7 @@ WindingRims::WindingRims(std::span<const RimLine> rims) : count_(rims.size()) {
       paths_.vertices[axis][i] = float(scale_ * double(path.vertices[std::min(i, count - 1)][axis]));
     paths_.isStart[i] = i < count && path.isStart[i] ? 1.0f : 0.0f;
   }
-  makeGroups();
+  if (count_ > kMostSlopes) makeGroups();
 }
 
 RimShare WindingRims::at(const glm::dvec3& point, const glm::dvec3& direction, double allowed) const {
@@ -273,14 +330,28 @@ void WindingRims::makeGroups() {
   }
 }
 
-double WindingRims::mostGradient(const glm::dvec3& centre, double radius) const {
-  constexpr double kRounding = 1.0 + 1e-4;
-  constexpr float kFar = 3.0f;  // Farther than so many times its radius, a group counts as a whole.
+RimChange WindingRims::changeIn(const glm::dvec3& centre, double radius) const {
+  constexpr double kRounding = 1.0 + 1e-4, kRoundingOfSlope = 1e-3, kFull = 4.0 * std::numbers::pi;
+  constexpr float kNearest = 1e-4f;  // Single precision does not tell the slope so near a rim.
   const glm::vec3 c(scale_ * centre);
   const auto reach = float(scale_ * radius * kRounding);
+  if (count_ > kMostSlopes) return {{}, kRounding * 2.0 * reach * mostGradient(c, reach) / kFull};
+  const RimSums sums = HWY_DYNAMIC_DISPATCH(sumChanges)(paths_, c, reach);
+  if (sums.nearest <= 0.0f) return {{}, std::numeric_limits<double>::infinity()};
+  const double r = reach, straight = 2.0 * r * sums.first * kRounding;
+  const double bend = r * r * sums.second * kRounding + kRoundingOfSlope * straight;
+  if (sums.nearest < kNearest || 2.0 * r * glm::length(sums.slope) + bend >= straight)
+    return {{}, straight / kFull};
+  return {scale_ / kFull * sums.slope, bend / kFull};
+}
+
+/// Returns a bound on the gradient in a ball, without the factor 1 / 4 pi.
+double WindingRims::mostGradient(const glm::vec3& c, float reach) const {
+  constexpr float kRounding = 1.0f + 1e-4f;
+  constexpr float kFar = 3.0f;  // Farther than so many times its radius, a group counts as a whole.
   float sum = 0.0f;
   for (const Group& group : groups_) {
-    const float near = glm::distance(group.centre, c) - group.radius * float(kRounding) - reach;
+    const float near = glm::distance(group.centre, c) - group.radius * kRounding - reach;
     if (near > kFar * group.radius) {
       sum += group.length / (near * near);
       continue;
@@ -297,7 +368,7 @@ double WindingRims::mostGradient(const glm::dvec3& centre, double radius) const 
       sum += std::min(length / (distance * distance), std::numbers::pi_v<float> / distance);
     }
   }
-  return kRounding * scale_ * double(sum) / (4.0 * std::numbers::pi);
+  return double(sum);
 }
 
 }  // namespace raymap::cpu

@@ -19,6 +19,13 @@ struct RimShare {
   double clearance = 4.0;
 };
 
+/// How the winding number changes in a ball that no rim meets: on a way that crosses no face, by
+/// dot(`slope`, way) within `bend`.
+struct RimChange {
+  glm::dvec3 slope{0.0};
+  double bend = 0.0;  ///< Infinite if a rim may meet the ball.
+};
+
 /// Rims one after the other: each vertex is the end of the rim before it and the start of the next.
 struct RimPaths {
   std::array<Buffer<float>, 3> vertices;
@@ -39,10 +46,10 @@ class WindingRims {
   /// point must be closer than 1e10 times the size of the rims. An error of up to `allowed` costs less.
   RimShare at(const glm::dvec3& point, const glm::dvec3& direction, double allowed = 0.0) const;
 
-  /// Returns a bound on the gradient of the winding number in a ball that no rim meets: at a distance D from
-  /// a rim of length l it is at most l / 4 pi D^2, and at most 1 / 4 D (the law of Biot and Savart). Infinite
-  /// if a rim may meet it.
-  double mostGradient(const glm::dvec3& centre, double radius) const;
+  /// Returns how the winding number changes in a ball. The gradient follows the law of Biot and Savart. At a
+  /// distance D from a rim of length l it is at most l / 4 pi D^2, and changes by at most 2 l / 4 pi D^3. With
+  /// many rims the slope is 0, and the first bound alone counts.
+  RimChange changeIn(const glm::dvec3& centre, double radius) const;
 
   size_t count() const { return count_; }
   size_t bytes() const { return 4 * paths_.isStart.capacityBytes() + groups_.capacity() * sizeof(Group); }
@@ -56,11 +63,12 @@ class WindingRims {
   };
 
   void makeGroups();
+  double mostGradient(const glm::vec3& centre, float reach) const;
 
   size_t count_ = 0;
   double scale_ = 1.0;  ///< Factor of all positions, so that no square leaves the range of floats.
   RimPaths paths_;
-  std::vector<Group> groups_;
+  std::vector<Group> groups_;  ///< Filled if rims are many.
 };
 
 }  // namespace raymap::cpu
