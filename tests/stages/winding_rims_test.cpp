@@ -132,5 +132,71 @@ TEST(WindingRims, KeepToTheErrorThatIsAllowed) {
   }
 }
 
+/// Returns a random point of a ball.
+glm::dvec3 pointInBall(std::mt19937_64& random, const glm::dvec3& centre, double radius) {
+  std::uniform_real_distribution<double> unit(0.0, 1.0);
+  return centre + radius * std::cbrt(unit(random)) * randomDirection(random);
+}
+
+TEST(WindingRims, ChangeByTheirSlopeWithinTheBound) {
+  std::mt19937_64 random(5);
+  constexpr glm::dvec3 kRay(0.36, 0.48, 0.8);
+  for (const Mesh& mesh : {bowl(1), bowl(3), withMissingFaces(shapes::sphere(1.0, 3), 0.2, 1),
+                           shapes::soup(300, 1), shapes::soup(2000, 2)}) {
+    const WindingRims rims = rimsOf(mesh);
+    size_t bounded = 0, bent = 0;
+    for (const glm::dvec3& at : uniformPoints(mesh, 300, 0.5)) {
+      const glm::dvec3 centre = at - mesh.origin;
+      for (const double radius : {0.3, 0.03, 3e-3, 3e-4}) {
+        const RimChange change = rims.changeIn(centre, radius);
+        if (change.bend > 0.4) continue;
+        ++bounded;
+        if (change.slope != glm::dvec3(0.0)) ++bent;
+        for (int pair = 0; pair < 10; ++pair) {
+          const glm::dvec3 a = pointInBall(random, centre, radius), b = pointInBall(random, centre, radius);
+          const double found = rims.at(b, kRay).winding - rims.at(a, kRay).winding,
+                       left = found - glm::dot(change.slope, b - a);
+          ASSERT_LE(std::abs(left - std::round(left)), change.bend + 1e-9) << rims.count() << ", " << radius;
+        }
+      }
+    }
+    EXPECT_GT(bounded, 100u) << rims.count();
+    EXPECT_EQ(bent > 0, rims.count() <= 4096) << rims.count();
+  }
+}
+
+TEST(WindingRims, BendLessInSmallerBalls) {
+  const WindingRims rims = rimsOf(bowl(1));
+  const RimChange large = rims.changeIn({0.1, 0.2, 0.9}, 0.02), small = rims.changeIn({0.1, 0.2, 0.9}, 0.01);
+  EXPECT_GT(glm::length(large.slope), 0.05);
+  EXPECT_LT(glm::distance(large.slope, small.slope), 1e-6);
+  EXPECT_LT(small.bend, 0.3 * large.bend);
+  EXPECT_LT(large.bend, 0.002);
+}
+
+TEST(WindingRims, SayNothingOfABallThatARimMayMeet) {
+  for (const size_t triangles : {1, 2000}) {
+    const Mesh mesh = shapes::soup(triangles, 4);
+    const glm::dvec3 corner(mesh.vertices[mesh.triangles[0].x]);
+    EXPECT_TRUE(std::isinf(rimsOf(mesh).changeIn(corner + glm::dvec3(1e-3, 0, 0), 2e-3).bend));
+  }
+  const RimChange nothing = WindingRims().changeIn({0, 0, 0}, 1.0);
+  EXPECT_EQ(nothing.bend, 0.0);
+  EXPECT_EQ(nothing.slope, glm::dvec3(0.0));
+}
+
+TEST(WindingRims, ChangeAlikeInAnyUnit) {
+  const Mesh mesh = bowl(1);
+  const RimChange change = rimsOf(mesh).changeIn({0.1, 0.2, 0.9}, 0.1);
+  for (const int exponent : {-100, 100}) {
+    Mesh scaled = mesh;
+    const double unit = std::ldexp(1.0, exponent);
+    for (glm::vec3& v : scaled.vertices) v *= float(unit);
+    const RimChange same = rimsOf(scaled).changeIn(unit * glm::dvec3(0.1, 0.2, 0.9), 0.1 * unit);
+    EXPECT_NEAR(same.bend, change.bend, 1e-6);
+    EXPECT_LT(glm::distance(unit * same.slope, change.slope), 1e-6);
+  }
+}
+
 }  // namespace
 }  // namespace raymap

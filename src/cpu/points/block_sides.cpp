@@ -2,8 +2,8 @@
 // sample.
 //
 // A ball about a point, as large as its distance, holds no surface. Where the balls of two points meet, the
-// winding number changes between the points by what the rims say alone, and that has a bound. So one point
-// tells the side of all that such balls join.
+// winding number changes between the points by what the rims say alone: by its slope, within a bound. So one
+// point tells the sides of all that such balls join.
 
 #include "cpu/points/block_sides.h"
 
@@ -129,10 +129,12 @@ class SideFinder {
     parallelFor(firsts_.size(), kCheapGrain, [&](size_t from, size_t to) {
       for (size_t k = from; k < to; ++k)
         if (firsts_[k] != k) sides_[k] = sides_[firsts_[k]];
+    });
+    parallelFor(firsts_.size(), kCheapGrain, [&](size_t from, size_t to) {
       for (size_t k = from; k < to; ++k)
         if (sides_[k] == Side::Unknown) sides_[k] = decided(numberAt(k), doubtAt(k));
     });
-    if (blocks_.side > leastSide()) findRest();
+    if (blocks_.side > 1 && (blocks_.reach > 0.0 || hasExactNumbers())) findRest();
   }
 
  private:
@@ -140,13 +142,6 @@ class SideFinder {
   static constexpr double kWhole = 0.45;
   /// Numbers that are less exact are not kept.
   static constexpr double kMostDoubt = 1e-2;
-
-  /// Returns the side of the smallest cubes. With many rims, numbers cost more than the points of small cubes.
-  int leastSide() const {
-    const size_t rims = surface_.rims.count();
-    if (blocks_.reach > 0.0 || rims <= kFewRims) return 1;
-    return rims <= kExactRims ? 4 : BlockPoints::kMostSide;
-  }
 
   void joinAll() {
     // Exceeds the errors of two distances.
@@ -178,21 +173,23 @@ class SideFinder {
     takeRest(which);
     // A point alone is as well queried by the caller.
     if (rest.empty() || (blocks_.side == 1 && blocks_.reach == 0.0)) return;
-    DoubtfulNumbers quick;
-    queryNumbers(surface_, PointsView(pointsOf(blocks_, rest)), progress_, quick);
-    decide(rest, [&](size_t i) { return Number{quick.winding[i], quick.doubt[i]}; });
-    takeRest(std::vector(rest));
-    if (rest.empty()) return;
+    if (surface_.rims.count() <= kFewRims) {  // With more, few numbers are quick.
+      DoubtfulNumbers quick;
+      queryNumbers(surface_, PointsView(pointsOf(blocks_, rest)), progress_, quick);
+      decide(rest, [&](size_t i) { return Number{quick.winding[i], quick.doubt[i]}; });
+      takeRest(std::vector(rest));
+      if (rest.empty()) return;
+    }
     QueryResult exact;
     queryPoints(surface_, PointsView(pointsOf(blocks_, rest)), {.distance = false, .winding = true},
                 progress_, exact);
-    const double error = surface_.rims.count() <= kExactRims ? kExactNumberError : kDipoleNumberError;
+    const double error = hasExactNumbers() ? kExactNumberError : kDipoleNumberError;
     decide(rest, [&](size_t i) { return Number{double(exact.winding[i]), error}; });
   }
 
   /// Returns what follows from a number of the larger cube.
   Number known(uint32_t point) const {
-    if (std::isnan(near_[point]) || surface_.rims.count() > kExactRims) return {0.0, INFINITY};
+    if (std::isnan(near_[point]) || !hasExactNumbers()) return {0.0, INFINITY};
     return numberNear(surface_, blocks_.points[point], near_[point]);
   }
 
@@ -232,6 +229,10 @@ class SideFinder {
     const auto& [slope, bend] = changes_[cubes_[point]];
     return kMostDoubt + bend + blocks_.reach * glm::length(slope);
   }
+
+  /// Returns whether the rims tell numbers exactly. Else dipoles do, which cost as much for each of many
+  /// points.
+  bool hasExactNumbers() const { return surface_.rims.count() <= kExactRims; }
 
   /// Returns whether winding numbers are whole, so that they change at the surface alone.
   bool isWhole() const { return surface_.lattice.isWhole(); }
@@ -311,7 +312,7 @@ class SideFinder {
   std::vector<uint32_t> firsts_;  // Of each point, the first of its cube that it is joined to.
   std::vector<uint32_t> cubes_;
   std::vector<RimChange> changes_;  // In the ball about each cube, and what its points reach.
-  std::vector<double> numbers_;     // Of first points, if the numbers of all joined ones follow within `kWhole`.
+  std::vector<double> numbers_;  // Of first points, if the numbers of all joined ones follow within `kWhole`.
 };
 
 }  // namespace

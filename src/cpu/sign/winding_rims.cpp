@@ -195,7 +195,9 @@ RimSums sumChanges(const RimPaths& paths, const glm::vec3& centre, float reach) 
   };
   V slopeX = zero, slopeY = zero, slopeZ = zero, first = zero, second = zero, nearest = far;
   for (size_t i = 0; i < count; i += lanes) {
-    const auto from = [&](size_t k, int axis, V c) { return hn::Sub(hn::LoadU(d, &paths.vertices[axis][k]), c); };
+    const auto from = [&](size_t k, int axis, V c) {
+      return hn::Sub(hn::LoadU(d, &paths.vertices[axis][k]), c);
+    };
     const V ax = from(i, 0, cx), ay = from(i, 1, cy), az = from(i, 2, cz);
     const V bx = from(i + 1, 0, cx), by = from(i + 1, 1, cy), bz = from(i + 1, 2, cz);
     const auto isRim = hn::Ne(hn::LoadU(d, &paths.isStart[i]), zero);
@@ -225,7 +227,10 @@ RimSums sumChanges(const RimPaths& paths, const glm::vec3& centre, float reach) 
     second = hn::Add(second, hn::IfThenElseZero(isRim, bend));
   }
   const auto total = [&](V v) { return double(hn::GetLane(hn::SumOfLanes(d, v))); };
-  return {{total(slopeX), total(slopeY), total(slopeZ)}, total(first), total(second), hn::GetLane(hn::MinOfLanes(d, nearest))};
+  return {{total(slopeX), total(slopeY), total(slopeZ)},
+          total(first),
+          total(second),
+          hn::GetLane(hn::MinOfLanes(d, nearest))};
 }
 
 }  // namespace
@@ -333,6 +338,7 @@ void WindingRims::makeGroups() {
 RimChange WindingRims::changeIn(const glm::dvec3& centre, double radius) const {
   constexpr double kRounding = 1.0 + 1e-4, kRoundingOfSlope = 1e-3, kFull = 4.0 * std::numbers::pi;
   constexpr float kNearest = 1e-4f;  // Single precision does not tell the slope so near a rim.
+  if (count_ == 0) return {};
   const glm::vec3 c(scale_ * centre);
   const auto reach = float(scale_ * radius * kRounding);
   if (count_ > kMostSlopes) return {{}, kRounding * 2.0 * reach * mostGradient(c, reach) / kFull};

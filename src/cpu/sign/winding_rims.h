@@ -47,8 +47,8 @@ class WindingRims {
   RimShare at(const glm::dvec3& point, const glm::dvec3& direction, double allowed = 0.0) const;
 
   /// Returns how the winding number changes in a ball. The gradient follows the law of Biot and Savart. At a
-  /// distance D from a rim of length l it is at most l / 4 pi D^2, and changes by at most 2 l / 4 pi D^3. With
-  /// many rims the slope is 0, and the first bound alone counts.
+  /// distance D from a rim of length l it is at most l / 4 pi D^2, and changes by at most 2 l / 4 pi D^3.
+  /// With many rims the slope is 0, and the first bound alone counts.
   RimChange changeIn(const glm::dvec3& centre, double radius) const;
 
   size_t count() const { return count_; }
