@@ -25,6 +25,7 @@ from ._errors import UsageError
 from ._field import Field
 from ._nearest import Nearest, find_nearest, project
 from ._samples import Sampler, SamplerOptions, to_seed, to_surface
+from ._sparse import SparseField
 from ._surface import Surface
 from ._trilinear import Cells, check_field, find_cells, interpolate
 from .dataset.read import Results
@@ -137,7 +138,12 @@ def closest_point(surface: Surface, points: Any, *, vertices: Any = None, thread
 
 
 def sample(
-    field: Field, points: Any, *, surface: Surface | None = None, vertices: Any = None, threads: int | None = None
+    field: Field | SparseField,
+    points: Any,
+    *,
+    surface: Surface | None = None,
+    vertices: Any = None,
+    threads: int | None = None,
 ) -> Any:
     """Returns a field's distances at points, (...) for points (..., 3), trilinear between its samples, negative inside.
 
@@ -146,26 +152,26 @@ def sample(
 
     The gradient for a vertex sums up what the eight samples around each point change by: a sample's distance changes as
     that of ``signed_distance`` at its place, times the sample's weight. It jumps where a sample gets another closest
-    point, and is 0 for samples on the surface and for clamped ones.
+    point, and is 0 for samples on the surface and for clamped ones. A narrow band clamps at ``inside`` and ``outside``.
 
     Points outside of the box of the samples, and those that are not finite, get NaN and the gradient 0. ``torch.func``
     takes the function, with ``grad`` and ``vmap`` over points.
 
     Args:
-        field: A dense field.
+        field: A dense field or a narrow band.
         points: A tensor of positions in the mesh's units, (..., 3), float32 or float64, on any device. The work is done
             on the CPU. The result has its type and is on its device.
         surface: To differentiate with respect to vertices: a surface of them that the field agrees with, as one that its
             ``generate`` made does. Only the samples around the points are asked for.
         vertices: The vertices of the surface's mesh, (n, 3). After they have moved, prepare a new surface of them, and
             make a new field of it.
-        threads: Number of CPU threads for the surface; None = ``raymap.get_threads()``.
+        threads: Number of CPU threads; None = ``raymap.get_threads()``.
 
     Raises:
         InputError: Points of another shape, vertices that are not those of the surface, or a sample that is not its
             distance.
         UsageError: A surface without vertices, vertices without a surface, or ``vmap`` over vertices.
-        TypeError: The field is no ``raymap.Field``, or the points are no tensor.
+        TypeError: The field is no ``raymap.Field`` and no ``raymap.SparseField``, or the points are no tensor.
         RuntimeError: The gradient for the vertices is differentiated again with respect to them.
     """
     check_field(field, surface, vertices)
