@@ -430,13 +430,19 @@ def test_a_stream_has_every_result_once_in_one_order(fields: Path, format: str) 
     assert names(rank=0, ranks=2) == order[::2] and names(rank=1, ranks=2, workers=2) == order[1::2]
 
 
-def test_samples_are_the_same_for_any_workers() -> None:
-    load("torch")
-    program = ROOT / "python/tests/stream_samples.py"
-    ran = subprocess.run([sys.executable, str(program)], capture_output=True, text=True, check=True)
-    hashes = [line.split() for line in ran.stdout.splitlines()]
-    assert len(hashes) == 4 and hashes[0][0] != hashes[0][1]
-    assert all(found == hashes[0][: len(found)] for found in hashes)
+def test_epochs_are_the_same_for_any_workers(fields: Path) -> None:
+    load("torch"), load("zarr")
+    for format in FORMATS:
+        raymap.dataset.pack(fields, format, samples=3, format=format)
+    program, workers = ROOT / "python/tests/stream_samples.py", ["fork:2", "fork:4", "spawn:1", "spawn:2", "0"]
+    ran = subprocess.run([sys.executable, str(program), *workers], capture_output=True, text=True, check=False)
+    assert ran.returncode == 0, ran.stderr
+    found: dict[str, list[list[str]]] = {}
+    for name, _, *hashes in map(str.split, ran.stdout.splitlines()):
+        found.setdefault(name, []).append(hashes)
+    assert found.keys() == {"stream:samples", "stream:tar", "stream:zarr", "dataset"}
+    for hashes in found.values():
+        assert hashes == [hashes[0]] * len(workers) and len(set(hashes[0])) == 2  # Epochs differ.
 
 
 def test_surfaces_are_kept_within_the_memory_limit(ball: raymap.Mesh) -> None:
