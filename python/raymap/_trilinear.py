@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -11,6 +12,7 @@ from ._arrays import to_points
 from ._errors import InputError, UsageError
 from ._field import Field
 from ._nearest import find_nearest
+from ._sparse import SparseField
 from ._surface import Surface
 
 _CORNERS = np.stack(np.unravel_index(np.arange(8), (2, 2, 2), order="F"), axis=-1)  # x is fastest.
@@ -35,15 +37,15 @@ class Cells(NamedTuple):
 
 
 def check_field(field: Any, surface: Surface | None, vertices: Any) -> None:
-    """Raises an error unless there is a dense field, with a surface and vertices or without both."""
-    if not isinstance(field, Field):
-        raise TypeError(f"field must be a raymap.Field, not a {type(field).__name__}")
+    """Raises an error unless there is a field, with a surface and vertices or without both."""
+    if not isinstance(field, (Field, SparseField)):
+        raise TypeError(f"field must be a raymap.Field or a raymap.SparseField, not a {type(field).__name__}")
     if (surface is None) != (vertices is None):
         raise UsageError("surface and vertices belong together; give both, or leave both out")
 
 
 def find_cells(
-    field: Field,
+    field: Field | SparseField,
     surface: Surface | None,
     points: npt.NDArray[Any],
     vertices: npt.NDArray[Any] | None = None,
@@ -61,9 +63,9 @@ def find_cells(
     is_inside = np.asarray(((place >= 0) & (place <= last)).all(axis=1))
     place = np.where(is_inside[:, None], place, 0)
     low = np.minimum(place.astype(np.int64), np.maximum(last - 1, 0))
-    around = np.minimum(low[:, None] + _CORNERS, last)
-    used, which = np.unique(np.ravel_multi_index(tuple(np.moveaxis(around, -1, 0)), field.shape), return_inverse=True)
-    samples = _find_samples(field, surface, np.stack(np.unravel_index(used, field.shape), axis=-1), vertices, threads)
+    around = np.minimum(low[:, None] + _CORNERS, last).reshape(-1, 3)
+    used, which = _unique(around, field.shape)
+    samples = _find_samples(field, surface, used, vertices, threads)
     gathered = [array[which.reshape(-1, 8)] for array in samples]
     gathered[3] = np.where(is_inside[:, None, None], gathered[3], 0)
     arrays = [*gathered, place - low, is_inside]
@@ -71,30 +73,62 @@ def find_cells(
     return Cells(*(array.reshape(shape[:-1] + array.shape[1:]) for array in kept))
 
 
+def _unique(
+    indices: npt.NDArray[np.int64], shape: tuple[int, int, int]
+) -> tuple[npt.NDArray[np.int64], npt.NDArray[np.int64]]:
+    """Returns each of the samples with indices (n, 3) once, (k, 3), and which of these each row is, (n,)."""
+    column = indices[:, 0] * shape[1] + indices[:, 1]
+    if math.prod(shape) >= 2**63:  # A narrow band may have more samples than an int64 counts, up to 2^72.
+        _, column = np.unique(column, return_inverse=True)
+    numbers, which = np.unique(column * shape[2] + indices[:, 2], return_inverse=True)
+    row = np.empty(len(numbers), np.int64)
+    row[which] = np.arange(len(which))
+    return indices[row], which
+
+
 def _find_samples(
-    field: Field,
+    field: Field | SparseField,
     surface: Surface | None,
     indices: npt.NDArray[np.int64],
     vertices: npt.NDArray[Any] | None,
     threads: int | None,
 ) -> tuple[npt.NDArray[Any], ...]:
     """Returns distances of samples (n, 3), and what follows them in a ``Nearest``."""
-    distance = field.distance[tuple(indices.T)]
+    distance = _distances(field, indices, threads)
     if surface is None:
         return distance, np.zeros(indices.shape), np.zeros(indices.shape, np.int64), np.zeros(indices.shape)
     found = find_nearest(surface, field.origin + field.spacing * indices, vertices, threads)
-    limit = field.clamp_distance or np.inf
+    inside, outside = _clamp_distances(field)
     low, high = surface.mesh.bounds
     slack = _ROUNDING * (np.linalg.norm(high - low) + np.abs(distance))
-    is_same = np.abs(np.clip(found.distance, -limit, limit) - distance) <= slack
+    is_same = np.abs(np.clip(found.distance, -inside, outside) - distance) <= slack
     if not is_same.all():
         first = int(np.argmin(is_same))
         raise InputError(
             f"field: sample {tuple(indices[first].tolist())} is {distance[first]:.6g}, but the surface's distance there is "
             f"{found.distance[first]:.6g}; make the field by the generate of this surface"
         )
-    is_clamped = np.abs(found.distance) >= limit
+    is_clamped = (found.distance <= -inside) | (found.distance >= outside)
     return distance, found.gradient, found.corners, np.where(is_clamped[:, None], 0, found.weights)
+
+
+def _distances(
+    field: Field | SparseField, indices: npt.NDArray[np.int64], threads: int | None
+) -> npt.NDArray[np.float32]:
+    """Returns the distances of samples (n, 3)."""
+    if isinstance(field, Field):
+        return np.asarray(field.distance[tuple(indices.T)])
+    # A position that rounding moves out of the box would get a bound instead of the last sample's distance.
+    last = np.array(field.shape) - 1
+    rounding = 4 * np.spacing(np.abs(field.origin) + field.spacing * last) / field.spacing
+    return field.sample(field.origin + field.spacing * np.minimum(indices, np.maximum(last - rounding, 0)), threads=threads)
+
+
+def _clamp_distances(field: Field | SparseField) -> tuple[float, float]:
+    """Returns the distances at which a field is clamped inside and outside, both above 0; infinite if it is not."""
+    if isinstance(field, SparseField):
+        return field.inside, field.outside
+    return field.clamp_distance or np.inf, field.clamp_distance or np.inf
 
 
 def interpolate(where: Any, found: Cells, change: Any) -> Any:

@@ -18,6 +18,7 @@ import numpy as np
 from ._errors import InputError
 from ._field import Field
 from ._nearest import Nearest, find_nearest, project
+from ._sparse import SparseField
 from ._surface import Surface
 from ._trilinear import Cells, check_field, find_cells, interpolate
 
@@ -74,7 +75,12 @@ def closest_point(surface: Surface, points: Any, *, vertices: Any = None, thread
 
 
 def sample(
-    field: Field, points: Any, *, surface: Surface | None = None, vertices: Any = None, threads: int | None = None
+    field: Field | SparseField,
+    points: Any,
+    *,
+    surface: Surface | None = None,
+    vertices: Any = None,
+    threads: int | None = None,
 ) -> Any:
     """Returns a field's distances at points, (...) for points (..., 3), trilinear between its samples, negative inside.
 
@@ -83,19 +89,19 @@ def sample(
     that are not finite, get NaN and the derivative 0.
 
     Args:
-        field: A dense field.
+        field: A dense field or a narrow band.
         points: Positions, as for ``signed_distance``.
         surface: To differentiate with respect to vertices: a surface of them that the field agrees with, as one that its
             ``generate`` made does.
         vertices: The vertices of the surface's mesh, (n, 3). After they have moved, prepare a new surface of them, and
             make a new field of it.
-        threads: Number of CPU threads for the surface; None = ``raymap.get_threads()``.
+        threads: Number of CPU threads; None = ``raymap.get_threads()``.
 
     Raises:
         InputError: Points of another shape, vertices that are not those of the surface, or a sample that is not its
             distance. JAX wraps the last two in an error of its own.
         UsageError: A surface without vertices, or vertices without a surface.
-        TypeError: The field is no ``raymap.Field``.
+        TypeError: The field is no ``raymap.Field`` and no ``raymap.SparseField``.
     """
     check_field(field, surface, vertices)
     points = _to_points(points)

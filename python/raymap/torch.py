@@ -10,21 +10,25 @@ tensor([[0., 0., 1.]])
 
 from __future__ import annotations
 
+import ctypes
 import importlib
 import os
 from collections.abc import Callable, Iterable, Iterator
+from contextlib import suppress
 from functools import partial
 from typing import Any, Unpack
 
 import numpy as np
 import numpy.typing as npt
 
+from . import _inputs
 from ._arguments import to_whole
 from ._arrays import to_numpy
-from ._errors import UsageError
+from ._errors import MemoryLimitError, UsageError
 from ._field import Field
 from ._nearest import Nearest, find_nearest, project
-from ._samples import Sampler, SamplerOptions, to_seed, to_surface
+from ._samples import Sampler, SamplerOptions, to_seed
+from ._sparse import SparseField
 from ._surface import Surface
 from ._trilinear import Cells, check_field, find_cells, interpolate
 from .dataset.read import Results
@@ -33,6 +37,9 @@ try:
     torch: Any = importlib.import_module("torch")  # Any, so that types are the same with PyTorch and without.
 except ImportError as error:
     raise ImportError("raymap.torch needs PyTorch; install it with: pip install torch") from error
+
+
+_POINT_BYTES = 320  # Most that a sampler takes for a point of a block while it makes it, whatever its arrays.
 
 
 class _Distances(torch.autograd.Function):  # type: ignore[misc]
@@ -137,7 +144,12 @@ def closest_point(surface: Surface, points: Any, *, vertices: Any = None, thread
 
 
 def sample(
-    field: Field, points: Any, *, surface: Surface | None = None, vertices: Any = None, threads: int | None = None
+    field: Field | SparseField,
+    points: Any,
+    *,
+    surface: Surface | None = None,
+    vertices: Any = None,
+    threads: int | None = None,
 ) -> Any:
     """Returns a field's distances at points, (...) for points (..., 3), trilinear between its samples, negative inside.
 
@@ -146,26 +158,26 @@ def sample(
 
     The gradient for a vertex sums up what the eight samples around each point change by: a sample's distance changes as
     that of ``signed_distance`` at its place, times the sample's weight. It jumps where a sample gets another closest
-    point, and is 0 for samples on the surface and for clamped ones.
+    point, and is 0 for samples on the surface and for clamped ones. A narrow band clamps at ``inside`` and ``outside``.
 
     Points outside of the box of the samples, and those that are not finite, get NaN and the gradient 0. ``torch.func``
     takes the function, with ``grad`` and ``vmap`` over points.
 
     Args:
-        field: A dense field.
+        field: A dense field or a narrow band.
         points: A tensor of positions in the mesh's units, (..., 3), float32 or float64, on any device. The work is done
             on the CPU. The result has its type and is on its device.
         surface: To differentiate with respect to vertices: a surface of them that the field agrees with, as one that its
             ``generate`` made does. Only the samples around the points are asked for.
         vertices: The vertices of the surface's mesh, (n, 3). After they have moved, prepare a new surface of them, and
             make a new field of it.
-        threads: Number of CPU threads for the surface; None = ``raymap.get_threads()``.
+        threads: Number of CPU threads; None = ``raymap.get_threads()``.
 
     Raises:
         InputError: Points of another shape, vertices that are not those of the surface, or a sample that is not its
             distance.
         UsageError: A surface without vertices, vertices without a surface, or ``vmap`` over vertices.
-        TypeError: The field is no ``raymap.Field``, or the points are no tensor.
+        TypeError: The field is no ``raymap.Field`` and no ``raymap.SparseField``, or the points are no tensor.
         RuntimeError: The gradient for the vertices is differentiated again with respect to them.
     """
     check_field(field, surface, vertices)
@@ -190,6 +202,12 @@ def _tensors(arrays: dict[str, Any]) -> dict[str, Any]:
         else value
         for name, value in arrays.items()
     }
+
+
+def _trim() -> None:
+    """Gives memory back to the system that was freed. The GNU C library may keep that of a dropped surface."""
+    with suppress(AttributeError):
+        ctypes.CDLL(None).malloc_trim(0)
 
 
 class ResultDataset(torch.utils.data.Dataset):  # type: ignore[misc]
@@ -295,12 +313,14 @@ class SurfaceSamples(_Stream):
     The stream is the same, bit for bit, for any number of workers, forked or spawned, if the loader does not batch
     (``batch_size=None``). If the number of workers divides that of the meshes, each mesh is prepared by one worker alone.
 
-    Each worker keeps prepared meshes up to ``memory_limit`` together, and prepares others anew at each turn.
+    Each worker holds prepared meshes and a block within ``memory_limit``, however many blocks there are. It prepares
+    meshes that do not fit beside others anew at each turn.
 
     Args:
         meshes: Meshes, or paths of files, as for ``raymap.Surface``. Only their paths go to workers that are spawned.
         blocks: Number of blocks of each mesh in an epoch.
-        memory_limit: Most bytes that the prepared meshes of a worker may take.
+        memory_limit: Most bytes that a worker may take for prepared meshes, a block, and the work for both. Surfaces
+            that were given (``raymap.Surface``) are not counted.
         seed: Whole number from 0 to 2^64 - 1. Another one gives other points.
         rank: Number of this process among those that train together. Each gets other blocks.
         ranks: Number of these processes.
@@ -309,6 +329,7 @@ class SurfaceSamples(_Stream):
 
     Raises:
         UsageError: Arguments that make no sense, or no mesh.
+        MemoryLimitError: A block exceeds the limit; or it does with a mesh: when that has its turn.
         InputError, FileError: A mesh is not valid, or cannot be read: when it has its turn.
     """
 
@@ -330,7 +351,15 @@ class SurfaceSamples(_Stream):
         self._blocks = to_whole("blocks", blocks, least=1)
         self._memory = to_whole("memory_limit", memory_limit, least=1, most=2**63 - 1)
         self._options: SamplerOptions = {"block": 1 << 14, "threads": 1, **options}
+        self._block_bytes = _POINT_BYTES * to_whole("block", self._options["block"], least=1)
+        if self._block_bytes >= self._memory:
+            raise MemoryLimitError(
+                f"a block of {self._options['block']:,} points takes up to {self._block_bytes:,} bytes, but memory_limit "
+                f"is {self._memory:,}; use smaller blocks, or a higher limit"
+            )
         self._kept: dict[int, Surface] = {}
+        self._mesh_bytes: dict[int, int] = {}  # Of meshes that had a turn, without what is prepared.
+        self._too_little: dict[int, int] = {}  # Bytes in which a mesh could not be prepared.
 
     def __iter__(self) -> Iterator[dict[str, Any]]:
         count = len(self._meshes)
@@ -338,18 +367,46 @@ class SurfaceSamples(_Stream):
         for k in self._own(count * self._blocks):
             mesh = int(order[k % count])
             seed = int(np.random.SeedSequence((self._seed, self._epoch, mesh)).generate_state(1, np.uint64)[0])
-            size = self._options["block"]
-            sampler = Sampler(self._surface(mesh), size * self._blocks, seed=seed, **self._options)
-            yield _tensors({"mesh": mesh, **sampler[k // count]})
+            yield _tensors({"mesh": mesh, **self._sample(mesh, seed, k // count)})
+
+    def _sample(self, mesh: int, seed: int, number: int) -> dict[str, npt.NDArray[Any]]:
+        """Returns a block of a mesh."""
+        points = self._options["block"] * self._blocks
+        return Sampler(self._surface(mesh), points, seed=seed, **self._options)[number]
 
     def _surface(self, mesh: int) -> Surface:
-        """Returns a prepared mesh. Keeps it if it fits beside those that are kept: turns go round, so none is better."""
+        """Returns a prepared mesh. Drops those that were kept last until it fits: turns go round, so none is better."""
+        given = self._meshes[mesh]
+        if isinstance(given, Surface):
+            return given
         if mesh in self._kept:
             return self._kept[mesh]
-        surface = to_surface(self._meshes[mesh], self._options["threads"])
-        if sum(kept.nbytes for kept in self._kept.values()) + surface.nbytes <= self._memory:
-            self._kept[mesh] = surface
-        return surface
+        _trim()
+        loaded = _inputs.to_mesh(given)
+        self._mesh_bytes[mesh] = loaded.vertices.nbytes + loaded.faces.nbytes
+        while True:
+            room = self._room(mesh)
+            try:
+                if room <= self._too_little.get(mesh, 0):
+                    raise MemoryLimitError
+                self._kept[mesh] = Surface(loaded, threads=self._options["threads"], memory_limit=room)
+                return self._kept[mesh]
+            except MemoryLimitError:
+                self._too_little[mesh] = max(room, self._too_little.get(mesh, 0))
+            if not self._kept:
+                raise MemoryLimitError(
+                    f"meshes: number {mesh} and a block of {self._options['block']:,} points do not fit into memory_limit, "
+                    f"{self._memory:,} bytes; use a higher limit, or smaller blocks"
+                )
+            self._kept.popitem()
+            _trim()
+
+    def _room(self, mesh: int) -> int:
+        """Returns the bytes that are left to prepare a mesh. A block takes less than the bytes of its mesh beside its own."""
+        work = max(self._mesh_bytes[each] for each in (mesh, *self._kept))
+        # A quarter stays free: freed memory may lie in pieces that are too small, and files are read beside their meshes.
+        usable = (self._memory - self._block_bytes) * 3 // 4
+        return usable - work - sum(kept.nbytes for kept in self._kept.values())
 
     def __getstate__(self) -> dict[str, Any]:
-        return {**self.__dict__, "_kept": {}}  # Workers prepare what they need.
+        return {**self.__dict__, "_kept": {}, "_mesh_bytes": {}, "_too_little": {}}  # Workers prepare what they need.

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import json
 import subprocess
 import sys
 from pathlib import Path
@@ -51,3 +52,13 @@ def run_module(*arguments: object, **options) -> subprocess.CompletedProcess[str
     process = start_module(*arguments, **options)
     out, error = process.communicate()
     return subprocess.CompletedProcess(process.args, process.returncode, out, error)
+
+
+def sample_memory(what: str, mesh: str | Path, count: int, limit: int, copies: int = 1) -> tuple[int, str]:
+    """Returns the peak memory of a process in bytes, and what came of its samples. bench/sample_memory.py documents it."""
+    options = ["--limit", str(limit), "--copies", str(copies), "--only", what]
+    command = [sys.executable, str(Path(__file__).parents[2] / "bench/sample_memory.py"), str(mesh), str(count), *options]
+    ran = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert ran.returncode == 0, ran.stderr
+    peak, result = json.loads(ran.stdout)
+    return peak, result

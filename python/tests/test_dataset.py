@@ -16,7 +16,7 @@ from urllib.parse import unquote
 import numpy as np
 import pytest
 import raymap
-from data_set import NAMES, contents, generate, identities, run_module, table
+from data_set import NAMES, contents, generate, identities, run_module, sample_memory, table
 from helpers import load
 from raymap import __main__ as command
 from raymap import _progress
@@ -539,6 +539,36 @@ def test_the_memory_limit(meshes: Path, large_ball: raymap.Mesh) -> None:
     assert (summary.done, summary.quarantined) == ([n for n in NAMES if n != "large.ply"], ["large.ply"])
     assert table()["large.ply"]["reason"].endswith("(memory_limit is 30000000 bytes)")
     assert generate(meshes).new == ["large.ply"]
+
+
+def test_points_keep_to_the_memory_limit() -> None:
+    limit = 100_000_000
+    own, _ = sample_memory("dataset", "ball.ply", 1, limit)
+    peak, result = sample_memory("dataset", "ball.ply", 400_000, limit)
+    assert result == "written" and 20_000_000 < peak - own <= limit
+    for count in (10**6, 10**8):  # The first would take half as much again.
+        peak, result = sample_memory("dataset", "ball.ply", count, limit)
+        text = f": the mesh and all {count} points are held at once; make fewer, or use a higher limit; raymap.Sampler streams any"
+        assert result.endswith(f"{text} number (memory_limit is {limit} bytes)") and "resolution" not in result
+        assert peak - own <= limit
+
+
+def test_a_result_that_cannot_be_written_for_lack_of_memory_is_that_of_its_mesh(monkeypatch: pytest.MonkeyPatch) -> None:
+    job = {"memory_limit": 1000, "options": {"device": "cpu"}}
+
+    def answer(error: Exception) -> dict:
+        def write() -> None:
+            raise error
+
+        monkeypatch.setattr(child, "_make", lambda job: ({}, write))
+        return child._answer(job, 1 << 40)
+
+    monkeypatch.setattr(child.resource, "setrlimit", lambda *_: None)
+    for error, text in ((MemoryError(), "needs more memory"), (raymap.MemoryLimitError("no memory"), "no memory")):
+        assert answer(error) == {"reason": f"{text} (memory_limit is 1000 bytes)", "again": True, "is_machine": False}
+    assert answer(raymap.UnsupportedError("no OpenVDB")) == {"trouble": "unsupported", "reason": "no OpenVDB"}
+    with pytest.raises(ZeroDivisionError):
+        answer(ZeroDivisionError())
 
 
 def test_points_are_those_of_sample_points(meshes: Path) -> None:

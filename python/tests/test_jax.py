@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import subprocess
 import sys
 
@@ -93,6 +94,32 @@ def test_samples_of_fields(surface, points):
         lines = field.distance[tuple(slice(n, n + 2) for n in i)]
         slope = (-1, 1) @ np.einsum("ijk,j,k->i", lines, (1 - y, y), (1 - z, z)) / field.spacing
         assert float(to_points[k, 0]) == pytest.approx(slope, abs=1e-5)
+
+
+@pytest.mark.parametrize("inside", [2.0, math.inf])
+def test_samples_of_narrow_bands(surface, points, inside):
+    """Where no sample is clamped, values and gradients are those of the dense field."""
+    jax = load("jax")
+    grid = {"shape": (31, 30, 29), "origin": (-1.53, -1.47, -1.41), "voxel_size": 0.1}
+    band, dense = surface.generate(sparse=True, band=(inside, 4), **grid), surface.generate(**grid)
+    vertices = jax.numpy.asarray(surface.mesh.vertices, np.float32)
+    scales = (1.0, 1.6, 0.85, 0.1)  # Of points near the surface; within the band, beyond it, and inside.
+    near = np.concatenate([scale * points / np.linalg.norm(points, axis=1, keepdims=True) for scale in scales])
+
+    def samples(field):
+        def sample(p, v):
+            return raymap.jax.sample(field, p, surface=surface, vertices=v)
+
+        return jax.jit(jax.vmap(jax.value_and_grad(sample, argnums=(0, 1)), (0, None)))(near, vertices)
+
+    (values, slopes), (whole, whole_slopes) = samples(band), samples(dense)
+    np.testing.assert_allclose(values, band.sample(near, outside="nan"), atol=1e-6)
+    is_same = np.repeat([True, False, inside > 2, inside > 2], len(points))
+    np.testing.assert_allclose(values[is_same], whole[is_same], atol=1e-6)
+    for found, expected in zip(slopes, whole_slopes, strict=True):
+        np.testing.assert_allclose(found[is_same], expected[is_same], atol=1e-5)
+        assert (found[len(points) : 2 * len(points)] == 0).all()
+        assert (found[-len(points) :] == 0).all() == (inside == 2)
 
 
 def test_arguments_that_make_no_sense(surface, points):

@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 import raymap
 from conftest import ROOT
-from data_set import NAMES, contents, generate, run_module
+from data_set import NAMES, contents, generate, run_module, sample_memory
 from helpers import load
 from test_dataset import write_gltf
 
@@ -430,20 +430,26 @@ def test_a_stream_has_every_result_once_in_one_order(fields: Path, format: str) 
     assert names(rank=0, ranks=2) == order[::2] and names(rank=1, ranks=2, workers=2) == order[1::2]
 
 
-def test_samples_are_the_same_for_any_workers() -> None:
-    load("torch")
-    program = ROOT / "python/tests/stream_samples.py"
-    ran = subprocess.run([sys.executable, str(program)], capture_output=True, text=True, check=True)
-    hashes = [line.split() for line in ran.stdout.splitlines()]
-    assert len(hashes) == 4 and hashes[0][0] != hashes[0][1]
-    assert all(found == hashes[0][: len(found)] for found in hashes)
+def test_epochs_are_the_same_for_any_workers(fields: Path) -> None:
+    load("torch"), load("zarr")
+    for format in FORMATS:
+        raymap.dataset.pack(fields, format, samples=3, format=format)
+    program, workers = ROOT / "python/tests/stream_samples.py", ["fork:2", "fork:4", "spawn:1", "spawn:2", "0"]
+    ran = subprocess.run([sys.executable, str(program), *workers], capture_output=True, text=True, check=False)
+    assert ran.returncode == 0, ran.stderr
+    found: dict[str, list[list[str]]] = {}
+    for name, _, *hashes in map(str.split, ran.stdout.splitlines()):
+        found.setdefault(name, []).append(hashes)
+    assert found.keys() == {"stream:samples", "stream:tar", "stream:zarr", "dataset"}
+    for hashes in found.values():
+        assert hashes == [hashes[0]] * len(workers) and len(set(hashes[0])) == 2  # Epochs differ.
 
 
 def test_surfaces_are_kept_within_the_memory_limit(ball: raymap.Mesh) -> None:
     load("torch")
     meshes = [raymap.Mesh(ball.vertices * size, ball.faces) for size in (1.0, 2.0, 3.0)]
     need = raymap.Surface(meshes[0]).nbytes
-    small, large = (raymap.torch.SurfaceSamples(meshes, blocks=2, block=20, memory_limit=limit) for limit in (2 * need, 1 << 30))
+    small, large = (raymap.torch.SurfaceSamples(meshes, blocks=2, block=20, memory_limit=limit) for limit in (4 * need, 1 << 30))
     for one, other in zip(small, large, strict=True):
         assert one["mesh"] == other["mesh"] and one["points"].shape == (20, 3)
         np.testing.assert_array_equal(one["points"], other["points"])
@@ -454,3 +460,41 @@ def test_surfaces_are_kept_within_the_memory_limit(ball: raymap.Mesh) -> None:
         raymap.torch.SurfaceSamples([])
     with pytest.raises(raymap.UsageError, match="rank must be 1 or less, not 2"):
         raymap.torch.SurfaceSamples(meshes, rank=2, ranks=2)
+
+
+def test_a_stream_keeps_to_its_memory_limit(large_ball: raymap.Mesh) -> None:
+    """Six meshes of 13 MB each when they are prepared, which would take twice the limit."""
+    load("torch")
+    large_ball.save("large.ply")
+    limit, count = 40_000_000, 100_000
+    own = sample_memory("stream", "ball.ply", 1, 10**9)[0]
+    peak, result = sample_memory("stream", "large.ply", count, limit, copies=6)
+    assert result == "streamed" and raymap.Surface(large_ball).nbytes < peak - own <= limit
+    assert 6 * raymap.Surface(large_ball).nbytes > 1.5 * limit
+    peak, result = sample_memory("stream", "large.ply", count, limit // 2)
+    assert peak - own <= limit // 2
+    text = "meshes: number 0 and a block of 16,384 points do not fit into memory_limit, 20,000,000 bytes; use a higher limit"
+    assert result.startswith(text)
+    with pytest.raises(raymap.MemoryLimitError, match="a block of 100,000 points takes up to 32,000,000 bytes, but memory_lim"):
+        raymap.torch.SurfaceSamples(["large.ply"], block=100_000, memory_limit=30_000_000)
+
+
+@pytest.mark.parametrize("array", ["distance", "closest"])
+@pytest.mark.parametrize("surface", [0.0, 1.0])
+def test_a_block_takes_no_more_than_a_stream_counts(array: str, surface: float) -> None:
+    load("torch")
+    program = f"""
+import raymap
+from pathlib import Path
+def peak():
+    return next(int(line.split()[1]) * 1024 for line in Path("/proc/self/status").read_text().splitlines() if "VmHWM" in line)
+options = dict(arrays=["gradient", "winding", "{array}"], surface={surface}, near=0.0, threads=1, dtype="float16")
+prepared = raymap.Surface("ball.ply")
+raymap.Sampler(prepared, 1000, block=1000, **options)[0]
+own = peak()
+raymap.Sampler(prepared, 400_000, block=400_000, **options)[0]
+taken = (peak() - own) / 400_000
+assert taken <= {raymap.torch._POINT_BYTES}, taken
+"""
+    ran = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=False)
+    assert ran.returncode == 0, ran.stderr

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import subprocess
 import sys
 from collections.abc import Callable
@@ -195,24 +196,33 @@ def test_vertices_of_another_mesh(surface):
         signed_distance(surface, points, vertices=np.zeros((1, 3)))
 
 
-def make_field(mesh: raymap.Mesh, **options) -> tuple[raymap.Surface, raymap.Field]:
+AnyField = raymap.Field | raymap.SparseField
+
+
+def make_field(mesh: raymap.Mesh, **options) -> tuple[raymap.Surface, AnyField]:
     """Returns a surface and its field, of samples none of which lies on the tetrahedron or between its faces."""
     surface = raymap.Surface(mesh)
     return surface, surface.generate(shape=(7, 6, 5), origin=(-0.33, -0.42, -0.57), voxel_size=0.26, **options)
 
 
-def within(field: raymap.Field, count: int) -> np.ndarray:
+# No sample of `make_field` is closer than 0.015 to a distance at which these clamp.
+DENSE = [{}, {"truncation": 0.3}]
+BANDS = [{"sparse": True, "band": (inside, 0.22 / 0.26)} for inside in (0.12 / 0.26, math.inf)]
+
+
+def within(field: AnyField, count: int) -> np.ndarray:
     """Returns points within the field's box, and away from the sides of its cells."""
     random = np.random.default_rng(4)
     cells = random.integers(0, np.array(field.shape) - 1, (count, 3))
     return field.origin + field.spacing * (cells + random.uniform(0.1, 0.9, (count, 3)))
 
 
-def test_samples_of_fields():
+@pytest.mark.parametrize("options", [{}, *BANDS])
+def test_samples_of_fields(options):
     torch = load("torch")
     from raymap.torch import sample
 
-    surface, field = make_field(raymap.load_mesh("tetrahedron.ply"))
+    surface, field = make_field(raymap.load_mesh("tetrahedron.ply"), **options)
     places = np.concatenate([within(field, 20), [field.origin, field.origin + field.spacing * np.array((6, 5, 4))]])
     for dtype in (torch.float32, torch.float64):
         points = torch.tensor(places.reshape(2, 11, 3), dtype=dtype)
@@ -231,18 +241,42 @@ def test_samples_of_fields():
     np.testing.assert_array_equal(sample(flat, torch.tensor([(0.0, 1.5, 0.0), (0.1, 1.5, 0.0)])), [2.5, np.nan])
 
 
-@pytest.mark.parametrize("truncation", [None, 0.3])
-def test_samples_of_fields_change_with_vertices(truncation):
+def test_samples_of_large_bands(surface):
+    """With many leaves and tiles, and with more samples than an int64 counts."""
+    torch = load("torch")
+    from raymap.torch import sample
+
+    # The last samples lie where rounding moves their positions out of the box.
+    band = surface.generate(shape=(50, 51, 49), origin=(-1.3, -1.2, -1.1), voxel_size=0.05, sparse=True, band=(2, 3.5))
+    assert len(band.origins) > 50 and len(band.tile_origins) > 0
+    corners = np.stack(np.meshgrid(*((0, n - 1) for n in band.shape)), axis=-1).reshape(-1, 3)
+    indices = np.concatenate([np.random.default_rng(6).integers(0, band.shape, (3000, 3)), corners])
+    dense = band.to_dense()
+    at_samples = sample(dense, torch.tensor(dense.origin + dense.spacing * indices))
+    np.testing.assert_array_equal(sample(band, torch.tensor(band.origin + band.spacing * indices)), at_samples)
+    reached = at_samples[at_samples.isfinite()]
+    assert (reached.min(), reached.max()) == (np.float32(-band.inside), np.float32(band.outside))
+    points = torch.tensor(within(band, 3000))
+    np.testing.assert_allclose(sample(band, points), band.sample(points.numpy()), rtol=0, atol=1e-6)
+    np.testing.assert_array_equal(sample(band, points), sample(dense, points))
+
+    huge = surface.generate(shape=(2**24,) * 3, origin=(-0.2, -0.3, -(2.0**20)), voxel_size=2.0**-3, sparse=True)
+    points = torch.tensor([(0.9, 0.1, 0.2), (0.9 + 2**16 * 2.0**-3, 0.1, 0.2), (2.0**20, 2.0**20, 2.0**19), (0.0, 0.0, 0.1)])
+    np.testing.assert_allclose(sample(huge, points), huge.sample(points.numpy()), rtol=0, atol=1e-6)
+
+
+@pytest.mark.parametrize("options", [*DENSE, *BANDS])
+def test_samples_of_fields_change_with_vertices(options):
     torch = load("torch")
     from raymap.torch import sample
 
     mesh = raymap.load_mesh("tetrahedron.ply")
-    surface, field = make_field(mesh, truncation=truncation)
+    surface, field = make_field(mesh, **options)
     points = torch.tensor(within(field, 8))
 
     def samples(vertices):
         moved = raymap.Mesh(vertices.detach().numpy(), mesh.faces)
-        surface, field = make_field(moved, truncation=truncation)
+        surface, field = make_field(moved, **options)
         return sample(field, points, surface=surface, vertices=vertices)
 
     vertices = torch.tensor(mesh.vertices, dtype=torch.float64, requires_grad=True)
@@ -262,11 +296,31 @@ def test_samples_of_fields_change_with_vertices(truncation):
     np.testing.assert_allclose(mixed, ((after - before) / 2e-4).detach(), atol=1e-6)
 
 
-def test_samples_outside_of_a_field_leave_the_others_alone():
+def test_clamped_samples_do_not_change_with_vertices():
+    """Inside, outside and where both clamp, at widths that differ."""
     torch = load("torch")
     from raymap.torch import sample
 
-    surface, field = make_field(raymap.load_mesh("tetrahedron.ply"))
+    mesh = raymap.load_mesh("tetrahedron.ply")
+    for inside, outside in ((0.12, 0.22), (math.inf, 0.22)):
+        surface, field = make_field(mesh, sparse=True, band=(inside / 0.26, outside / 0.26))
+        indices = np.stack(np.meshgrid(*map(np.arange, field.shape), indexing="ij"), axis=-1).reshape(-1, 3)
+        places = field.origin + field.spacing * (indices + np.where(indices == np.array(field.shape) - 1, -1e-9, 1e-9))
+        exact = surface.signed_distance(places)
+        is_clamped = (exact < -inside) | (exact > outside)
+        assert ((exact < -0.12) & is_clamped).any() == (inside < 1)
+        vertices = torch.tensor(surface.mesh.vertices, dtype=torch.float64)
+        alone = torch.func.grad(lambda p, v: sample(field, p, surface=surface, vertices=v), argnums=1)
+        change = torch.vmap(alone, (0, None))(torch.tensor(places), vertices).abs().sum(dim=(1, 2))
+        np.testing.assert_array_equal(change.numpy() > 1e-6, ~is_clamped)
+
+
+@pytest.mark.parametrize("options", [{}, {"sparse": True, "band": (2, 9)}])
+def test_samples_outside_of_a_field_leave_the_others_alone(options):
+    torch = load("torch")
+    from raymap.torch import sample
+
+    surface, field = make_field(raymap.load_mesh("tetrahedron.ply"), **options)
     points = torch.tensor([within(field, 1)[0].tolist(), (0, 0, 9), (np.nan, 0, 0), (0, np.inf, 0)], requires_grad=True)
     vertices = torch.tensor(surface.mesh.vertices, dtype=torch.float64, requires_grad=True)
     found = sample(field, points, surface=surface, vertices=vertices)
@@ -283,7 +337,7 @@ def test_samples_of_arguments_that_make_no_sense():
 
     surface, field = make_field(raymap.load_mesh("tetrahedron.ply"))
     points, vertices = torch.zeros(1, 3), torch.tensor(surface.mesh.vertices)
-    with pytest.raises(TypeError, match=r"field must be a raymap.Field, not a Surface"):
+    with pytest.raises(TypeError, match=r"field must be a raymap.Field or a raymap.SparseField, not a Surface"):
         sample(surface, points)
     with pytest.raises(raymap.UsageError, match="surface and vertices belong together"):
         sample(field, points, vertices=vertices)
@@ -295,6 +349,10 @@ def test_samples_of_arguments_that_make_no_sense():
     at = torch.tensor(field.origin + field.spacing * np.array((1.5, 2.5, 2.5)))
     with pytest.raises(raymap.InputError, match=r"field: sample \(1, 2, 3\) is .* make the field by the generate of this"):
         sample(field, at, surface=surface, vertices=vertices)
+    for options in BANDS:
+        _, band = make_field(raymap.Mesh(surface.mesh.vertices * 1.01, surface.mesh.faces), **options)
+        with pytest.raises(raymap.InputError, match=r"field: sample \(\d, \d, \d\) is .* make the field by the generate of"):
+            sample(band, torch.tensor(within(band, 8)), surface=surface, vertices=vertices)
 
 
 def run(program: str) -> subprocess.CompletedProcess[str]:

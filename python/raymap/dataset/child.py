@@ -89,8 +89,13 @@ def _answer(job: dict[str, Any], own_memory: int) -> dict[str, Any]:
         return _explain(error, job)
     try:
         write()
-    except Error as error:  # For example a build without OpenVDB
-        return {"trouble": code_of(error), "reason": str(error)}
+    except Exception as error:
+        if _is_memory(error):  # Another mesh may fit.
+            traceback.print_exc()
+            return _explain(error, job)
+        if not isinstance(error, Error):
+            raise
+        return {"trouble": code_of(error), "reason": str(error)}  # For example a build without OpenVDB
     return {"figures": figures}
 
 
@@ -104,7 +109,7 @@ def _explain(error: Exception, job: dict[str, Any]) -> dict[str, Any]:
     device = job["options"].get("device", "cpu")
     if _is_memory(error):
         is_full = isinstance(error, DeviceMemoryError)
-        reason = text if is_full else _memory_reason(error, job["memory_limit"])
+        reason = text if is_full else _memory_reason(error, job)
         return {"reason": reason, "again": True, "is_machine": is_full}
     if isinstance(error, (UnsupportedError, DeviceLostError)) and (trouble := _device_trouble(device)):
         return trouble
@@ -131,9 +136,12 @@ def _is_memory(error: Exception) -> bool:
     return isinstance(error, (MemoryError, MemoryLimitError)) or no_thread in str(error)
 
 
-def _memory_reason(error: Exception, limit: int) -> str:
+def _memory_reason(error: Exception, job: dict[str, Any]) -> str:
     text = str(error) if isinstance(error, MemoryLimitError) else "needs more memory"
-    return f"{text} (memory_limit is {limit} bytes)"
+    if count := job["options"].get("n"):  # Resolution, which the error names, is none of points.
+        advice = "make fewer, or use a higher limit; raymap.Sampler streams any number"
+        text = f"{text.partition(';')[0]}: the mesh and all {count} points are held at once; {advice}"
+    return f"{text} (memory_limit is {job['memory_limit']} bytes)"
 
 
 def _memory_in_use() -> int:
