@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from . import _raymap
 
 Vector = tuple[float, float, float]
+Whole3 = tuple[int, int, int]
 
 #: Largest finite number.
 FINITE = float(np.finfo(np.float64).max)
@@ -92,7 +93,7 @@ def to_vector(name: str, vector: Any) -> Vector:
     return x, y, z
 
 
-def to_wholes(name: str, numbers: Any, *, least: int = 0) -> tuple[int, int, int]:
+def to_wholes(name: str, numbers: Any, *, least: int = 0) -> Whole3:
     """Returns three whole numbers from ``least`` on.
 
     Raises:

@@ -17,14 +17,12 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _inputs, _raymap
-from ._arguments import Vector, to_length
+from ._arguments import Vector, Whole3, to_length
 from ._errors import MemoryLimitError, UsageError
 from ._generate import SurfaceFieldOptions, fit_grid
 from ._mesh import Mesh, core_of
 from ._records import Orientation
 from ._surface import Surface
-
-Whole3 = tuple[int, int, int]
 
 _QUERY_BYTES = 28 << 20  # Of a query of a part of a box, the largest that is made at once.
 _KEPT = 2  # Meshes that a process keeps prepared.

@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _arrays, _inputs, _raymap, _views
-from ._arguments import set_arrays, to_length, to_names, to_number, to_vector, to_wholes
+from ._arguments import Vector, Whole3, set_arrays, to_length, to_names, to_number, to_vector, to_wholes
 from ._arrays import Doubles, Indices, Points, Singles
 from ._devices import to_machine
 from ._errors import InputError, UsageError
@@ -626,7 +626,7 @@ def _limits(max_thickness: float | None, threads: int | None) -> tuple[float, _r
 
 def _to_box(
     low: Iterable[int], size: Iterable[int], origin: npt.ArrayLike, spacing: float, dims: Iterable[int]
-) -> tuple[Any, ...]:
+) -> tuple[Vector, float, Whole3, Whole3, Whole3]:
     """Returns a lattice and a region of it as the extension module takes them."""
     return (
         to_vector("origin", origin),

@@ -14,12 +14,11 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from ._arguments import Vector, to_whole
+from ._arguments import Vector, Whole3, to_whole
 from ._errors import UsageError
 from ._lattice import (
     Lattice,
     Source,
-    Whole3,
     box_bytes,
     distances,
     make_lattice,

@@ -14,8 +14,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from .._arguments import Whole3
 from .._errors import FileError, UsageError
-from .._lattice import Lattice, Source, Whole3
+from .._lattice import Lattice, Source
 from .._raymap import write_whole
 from .._whole_file import file_errors
 from .codecs import CHECKSUM_BYTES, NO_CHUNK, compressor, zarr_package
