@@ -24,7 +24,6 @@ namespace {
 
 /// Larger than the error of any winding number of a query: up to 4,096 rims, and beyond.
 constexpr double kExactNumberError = 1e-5, kDipoleNumberError = 1e-3;
-constexpr size_t kExactRims = 4096;
 
 constexpr size_t kMostPlaces =
     size_t(BlockPoints::kMostSide) * BlockPoints::kMostSide * BlockPoints::kMostSide;

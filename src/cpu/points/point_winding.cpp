@@ -34,9 +34,6 @@ constexpr double kSafeClearance = 1e-4;
 /// or by up to so many times what it changes between the samples around the point.
 constexpr float kLeastChange = 0.15f, kBend = 1.5f;
 
-/// Up to so many rims tell the numbers themselves.
-constexpr size_t kSomeRims = 4096;
-
 /// A sample is used only if its number is known better than this.
 constexpr double kMostDoubt = 0.2;
 
@@ -242,7 +239,7 @@ void PointWinding::computeClosely(const WindingPoints& points, std::span<double>
 /// these leave a side in doubt.
 void PointWinding::settle(const WindingPoints& points, std::span<double> winding) {
   const size_t rims = source_.rims.count();
-  if (source_.lattice.isWhole() || (rims > 0 && rims <= (isClose_ ? kSomeRims : kFewRims))) {
+  if (source_.lattice.isWhole() || (rims > 0 && rims <= (isClose_ ? kExactRims : kFewRims))) {
     for (const uint32_t i : asked_) winding[i] = exactNumber(points, i);
     return;
   }

@@ -29,6 +29,9 @@ struct WindingLattice {
 /// Up to so many rims tell the sides of points faster than dipoles do.
 inline constexpr size_t kFewRims = 256;
 
+/// Up to so many rims tell the numbers themselves.
+inline constexpr size_t kExactRims = 4096;
+
 /// A mesh whose winding number is asked for. Refers to its parts.
 struct WindingSource {
   PackedMesh mesh;

@@ -77,22 +77,20 @@ class RegionMaker {
     int side = kSideOfBlock;
     while (region_.low / side != (high_ - 1) / side) side *= 2;
     std::vector<Cube> cubes{{region_.low / side * side, Side::Unknown}};
-    findFar(cubes, side);
-    for (; side > kSideOfBlock; side /= 2) {
+    for (;; side /= 2) {
+      findFar(cubes, side);
+      if (side == kSideOfBlock) return cubes;
       std::vector<Cube> halves;
       for (const Cube& cube : cubes)
         for (int one = 0; one < 8; ++one)
           if (const glm::ivec3 low = cube.low + side / 2 * cornerOf(one); isInRegion(low, side / 2))
             halves.push_back({low, cube.at});
       cubes = std::move(halves);
-      findFar(cubes, side / 2);
     }
-    return cubes;
   }
 
   /// Finds which of the cubes that are not known to be far are far.
   void findFar(std::span<Cube> cubes, int side) const {
-    if (!hasFarCubes()) return;
     std::vector<glm::ivec3> lows;
     for (const Cube& cube : cubes)
       if (cube.at == Side::Unknown) lows.push_back(cube.low);
