@@ -31,16 +31,14 @@ glm::ivec3 sampleOf(const Grid& grid, size_t index) {
   return {i % grid.dims.x, i / grid.dims.x % grid.dims.y, i / grid.dims.x / grid.dims.y};
 }
 
-/// Expects what a query gives at every sample of the lattice.
-void expectQueried(const Mesh& mesh, const Grid& grid, const BandOptions& options) {
-  const Surface surface(mesh);
+/// Expects what a query gave at every sample of the lattice.
+void expectQueried(const Surface& surface, const Grid& grid, const QueryResult& all,
+                   const BandOptions& options) {
   const SparseField band = surface.generateBand(grid, options);
-  const std::vector<glm::dvec3> points = positionsOf(grid);
-  const QueryResult all = surface.query(points, {.triangle = true, .winding = true, .confidence = true});
   EXPECT_EQ(band.outside, options.outside * grid.spacing);
   EXPECT_EQ(band.inside, options.inside * grid.spacing);
   size_t active = 0;
-  for (size_t i = 0; i < points.size(); ++i) {
+  for (size_t i = 0; i < all.distance.size(); ++i) {
     const auto expected = float(std::clamp(all.distance[i], -band.inside, band.outside));
     ASSERT_EQ(band.distanceAt(sampleOf(grid, i)), expected) << i;
     const std::optional<size_t> place = band.find(sampleOf(grid, i));
@@ -63,18 +61,25 @@ void expectQueried(const Mesh& mesh, const Grid& grid, const BandOptions& option
   EXPECT_GT(active, 0u);
 }
 
+/// Does so for each kind of band.
+void expectQueried(const Mesh& mesh, const Grid& grid, std::initializer_list<BandOptions> bands) {
+  const Surface surface(mesh);
+  const QueryResult all =
+      surface.query(positionsOf(grid), {.triangle = true, .winding = true, .confidence = true});
+  for (const BandOptions& band : bands) expectQueried(surface, grid, all, band);
+}
+
 TEST(NarrowBand, HasWhatAQueryGives) {
   const Mesh closed = shapes::torus(1.0, 0.3, 40, 20), open = withHoles(shapes::sphere(1.0, 3), 4, 0.3, 5),
              soup = shapes::soup(200, 3);
   for (const Mesh& mesh : {closed, open, soup})
-    for (const int resolution : {21, 33}) {
-      const Grid grid = fitGrid(mesh, {.resolution = resolution});
-      expectQueried(mesh, grid, {});
-      expectQueried(mesh, grid, {.outside = 1.5, .inside = 4.25, .triangle = true});
-      expectQueried(mesh, grid, {.inside = kEverywhere, .winding = true, .confidence = true});
-    }
+    for (const int resolution : {21, 33})
+      expectQueried(mesh, fitGrid(mesh, {.resolution = resolution}),
+                    {{},
+                     {.outside = 1.5, .inside = 4.25, .triangle = true},
+                     {.inside = kEverywhere, .winding = true, .confidence = true}});
   const Box part{{-0.5, -0.4, 0.2}, {0.9, 0.8, 1.1}};  // The mesh reaches beyond it.
-  expectQueried(open, fitGrid(open, {.resolution = 30, .box = part}), {.triangle = true});
+  expectQueried(open, fitGrid(open, {.resolution = 30, .box = part}), {{.triangle = true}});
 }
 
 TEST(NarrowBand, HasLeavesAndTilesInOrder) {

@@ -247,8 +247,8 @@ Mesh openBox() {
 }
 
 TEST(DoubleSided, FieldsAreTheSameAfterACancelledRun) {
-  const Mesh mesh = doubled(withoutCap(shapes::sphere(1.0, 4), 0.7));
-  const Grid grid = fitGrid(mesh, {.resolution = 24});
+  const Mesh mesh = doubled(withoutCap(shapes::sphere(1.0, 3), 0.7));
+  const Grid grid = fitGrid(mesh, {.resolution = 16});
   const FieldOptions options{.winding = true};
   MachineOptions machine{.device = "cpu"};
   const Generated fresh = generate(mesh, grid, options, machine);

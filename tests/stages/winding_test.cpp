@@ -78,7 +78,7 @@ TEST(Winding, FlippedOrientationNegates) {
 
 TEST(Winding, SameForAnyNumberOfThreads) {
   const Mesh mesh = shapes::soup(500, 3);
-  const Grid grid = fitGrid(mesh, {.resolution = 40});
+  const Grid grid = fitGrid(mesh, {.resolution = 24});
   for (const SignMode mode : kModes)
     for (const Sampling sampling : {Sampling::Raymap, Sampling::Paper}) {
       const FieldOptions options{.sign = mode, .orientation = Orientation::Keep, .sampling = sampling};
