@@ -36,6 +36,7 @@ void addSpacingOptions(CLI::App& command, GridOptions& grid) {
 
 void addGridOptions(CLI::App& command, FieldArguments& arguments) {
   addSpacingOptions(command, arguments.grid);
+  addOption(command, "--shape", arguments.shape)->excludes(command.get_option("--resolution"));
   addOption(command, "--padding", arguments.grid.padding)
       ->excludes(addOption(command, "--bounds", arguments.bounds));
 }
@@ -73,6 +74,7 @@ void finishFieldArguments(FieldArguments& arguments) {
   }
   if (arguments.options.sign == SignMode::None && arguments.options.closeHoles)
     throw Error(ErrorCode::Usage, "--close-holes needs a sign; leave out --sign none and --thickness");
+  if (const std::vector<int>& n = arguments.shape; !n.empty()) arguments.grid.dims = {n[0], n[1], n[2]};
   if (const std::vector<double>& b = arguments.bounds; !b.empty()) {
     arguments.grid.box = Box{{b[0], b[1], b[2]}, {b[3], b[4], b[5]}};
     if (!(b[0] < b[3] && b[1] < b[4] && b[2] < b[5]))

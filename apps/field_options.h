@@ -17,6 +17,7 @@ namespace raymap {
 struct FieldArguments {
   GridOptions grid;
   std::vector<double> bounds;
+  std::vector<int> shape;
   std::string distance = "exact", sign = "harmonic", orientation = "auto", sampling = "raymap";
   std::filesystem::path offsets;
   FieldOptions options;

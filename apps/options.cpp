@@ -100,6 +100,9 @@ constexpr OptionRow kRows[] = {
      "Samples along the longest side"},
     {"--voxel-size", "--voxel,--spacing", "Grid", AboveZero, "LENGTH", "",
      "Distance between samples, instead of --resolution"},
+    {"--shape", "--dims", "Grid", Triple, "NX NY NZ", "",
+     "Number of samples along x, y and z, instead of --resolution, for fields that can be stacked: in the "
+     "smallest cells that hold the box, or with --voxel-size in cells of that size about its centre"},
     {"--bounds", "--bbox,--box", "Grid", Corners, "X0 Y0 Z0 X1 Y1 Z1", "the mesh's bounds, padded",
      "Box to cover"},
     {"--padding", "--pad,--margin", "Grid", FromZero, "SHARE", "0.1",
@@ -277,11 +280,11 @@ std::optional<CLI::Validator> checkOf(const OptionRow& row) {
     case Count:
       return wholeNumberFrom(0);
     case Natural:
+    case Pair:
+    case Triple:
       return wholeNumberFrom(1);
     case Whole:
       return wholeNumber();
-    case Pair:
-      return wholeNumberFrom(1);
     case FromZero:
       return numberFrom(0);
     case AboveZero:
@@ -391,6 +394,7 @@ int valueCount(Takes takes) {
       return 0;
     case Pair:
       return 2;
+    case Triple:
     case Vector:
     case Direction:
       return 3;

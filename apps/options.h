@@ -25,6 +25,7 @@ enum class Takes : uint8_t {
   FromZero,   ///< A number of at least 0.
   AboveZero,  ///< A number above 0.
   Pair,       ///< Two whole numbers from 1 on.
+  Triple,     ///< Three whole numbers from 1 on.
   Vector,     ///< Three numbers.
   Direction,  ///< Three numbers, or the name of an axis.
   Plane,      ///< Four numbers: the normal, then its product with a point of the plane.

@@ -32,6 +32,7 @@ constexpr Guess kGuesses[] = {
     {"--dry-run", "", "raymap info MESH says what is wrong and what to do, and writes nothing"},
     {"--input,-i,--in,--file,--mesh", "",
      "files that are read are named without an option: raymap COMMAND FILE"},
+    {"--cube", "", "--shape N N N makes N samples along every side"},
     {"--gpu,--cuda,--vulkan", "", "--device vulkan computes on a GPU"},
     {"--cpu,--no-gpu", "", "--device cpu computes on the CPU"},
     {"--width,--height,--image-size", "", "--size WIDTH HEIGHT of render"},

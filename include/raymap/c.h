@@ -199,11 +199,14 @@ typedef struct raymap_grid {
 /* How to lay a grid over a mesh. Initialise with RAYMAP_INIT. */
 typedef struct raymap_grid_options {
   size_t size;        /* sizeof(raymap_grid_options) */
-  int32_t resolution; /* Samples along the longest side of the box; ignored with `voxel_size`. 0 = 128, or 256
-                         for a repair. */
+  int32_t resolution; /* Samples along the longest side of the box; ignored with `voxel_size` or `dims`.
+                         0 = 128, or 256 for a repair. */
+  int32_t dims[3];    /* Number of samples (nx, ny, nz), for fields of one shape; 0, 0, 0 = the box decides.
+                         Cells about the centre of the box are as small as hold it. With `voxel_size` they
+                         have that size, and may cut the box. Ignored for a repair. */
   bool has_padding;   /* Whether `padding` counts; else it is 0.1. */
   bool has_box;       /* Whether to cover the box below instead of the padded bounds. */
-  double voxel_size;  /* Spacing; 0 = from the resolution. */
+  double voxel_size;  /* Spacing; 0 = from `dims` or the resolution. */
   double padding;     /* Padding of the bounds on every side, as a share of their longest side. */
   double thickness;   /* The option "thickness" of the field: half of it pads the bounds besides. */
   double box_min[3];
@@ -638,8 +641,8 @@ typedef struct raymap_repair_options {
                             limit. Limited by `tolerance`. */
 } raymap_repair_options;
 
-/* Lays a grid that holds the result of a repair. Both options may be NULL for the defaults; a box and the
- * thickness of the field do not count. */
+/* Lays a grid that holds the result of a repair. Both options may be NULL for the defaults; a box, `dims`
+ * and the thickness of the field do not count. */
 RAYMAP_API raymap_result raymap_fit_repair_grid(const raymap_mesh* mesh, const raymap_grid_options* options,
                                                 const raymap_repair_options* repair, raymap_grid* grid);
 

@@ -28,17 +28,21 @@ inline constexpr int kDefaultResolution = 128;
 
 /// How to lay a grid over a mesh.
 struct GridOptions {
-  /// Samples along the longest side of the box; ignored with `voxelSize`. Unset: `kDefaultResolution`, for
-  /// `fitRepairGrid` `kRepairResolution`.
+  /// Samples along the longest side of the box; ignored with `voxelSize` or `dims`. Unset:
+  /// `kDefaultResolution`, for `fitRepairGrid` `kRepairResolution`.
   std::optional<int> resolution = {};
-  double voxelSize = 0.0;       ///< Spacing in the mesh's units; 0 = from the resolution.
+  double voxelSize = 0.0;  ///< Spacing in the mesh's units; 0 = from `dims` or the resolution.
+  /// Number of samples (nx, ny, nz), for fields of one shape; by default the box decides. Cells about the
+  /// centre of the box are as small as hold it. With `voxelSize` they have that size, and may cut the box.
+  std::optional<glm::ivec3> dims = {};
   std::optional<Box> box = {};  ///< Box to cover, in the mesh's units; by default the padded bounds.
   double padding = 0.1;         ///< Padding of the bounds on every side, as a share of their longest side.
   double thickness = 0.0;       ///< `FieldOptions::thickness`: half of it pads the bounds besides.
 };
 
-/// Returns the smallest grid of cubic cells that covers the box. A side that is not a multiple of the spacing
-/// grows by the same length at both ends. Throws `Error(Usage)` if the options make no grid.
+/// Returns the smallest grid of cubic cells that covers the box, or one of `dims` samples about its centre. A
+/// side that is not a multiple of the spacing grows by the same length at both ends. Throws `Error(Usage)` if
+/// the options make no grid.
 RAYMAP_API Grid fitGrid(const MeshView& mesh, const GridOptions& options = {});
 /// Does the same for a shape with these bounds, such as those of a mesh in all frames of an animation.
 RAYMAP_API Grid fitGrid(const Box& bounds, const GridOptions& options = {});

@@ -160,7 +160,7 @@ struct RepairGrid : Grid {
 };
 
 /// Returns a grid that holds the result: it covers the mesh's bounds, padded by `GridOptions::padding` and by
-/// a positive offset or half the least thickness, whichever is more. Ignores `GridOptions::box` and
+/// a positive offset or half the least thickness, whichever is more. Ignores `GridOptions::box`, `dims` and
 /// `thickness`.
 ///
 /// Without a resolution or a voxel size, it has `kRepairResolution` samples along its longest side. They are

@@ -213,9 +213,8 @@ def generate(
 
 def _generate_sparse(mesh: Mesh, options: FieldOptions) -> SparseField:
     frame = frame_of(mesh, to_normalization(options.get("normalize", False)))
-    placed = moved(mesh, frame)
-    core = core_of(placed)
-    grid = fit_grid(partial(_raymap.fit_grid, core), lambda: placed.bounds, options)
+    core = core_of(moved(mesh, frame))
+    grid = fit_grid(partial(_raymap.fit_grid, core), options)
     options = with_band(options, grid)
     core_options = to_options(options, options.get("orientation", "auto"), sparse=True)
     band_options = sparse_options(options, core_options)
@@ -253,9 +252,8 @@ class Generator:
         check_names("generate", options, FieldOptions)
         given = _to_mesh(mesh_or_vertices, faces, options)
         frame = frame_of(given, to_normalization(options.get("normalize", False)))
-        placed = moved(given, frame)
-        mesh = core_of(placed)
-        grid = fit_grid(partial(_raymap.fit_grid, mesh), lambda: placed.bounds, options)
+        mesh = core_of(moved(given, frame))
+        grid = fit_grid(partial(_raymap.fit_grid, mesh), options)
         options = with_band(options, grid)
         core_options = to_options(options, options.get("orientation", "auto"), sparse=False)
         core_options.allow_empty = bool(options.get("allow_empty", False))
@@ -282,10 +280,8 @@ def check_names(function: str, given: SurfaceFieldOptions, known: type) -> None:
         raise TypeError(f"{function}() got an unexpected keyword argument {sorted(unknown)[0]!r}")
 
 
-def fit_grid(
-    fit: Callable[..., _raymap.Grid], bounds_of: Callable[[], npt.NDArray[np.float64]], options: SurfaceFieldOptions
-) -> _raymap.Grid:
-    """Returns the grid that the options ask for: fitted by a function of the extension module, or of a given shape."""
+def fit_grid(fit: Callable[..., _raymap.Grid], options: SurfaceFieldOptions) -> _raymap.Grid:
+    """Returns the grid that the options ask for, fitted by a function of the extension module."""
     voxel_size = options.get("voxel_size")
     size = 0.0 if voxel_size is None else to_length("voxel_size", voxel_size)
     box = None
@@ -302,14 +298,7 @@ def fit_grid(
         if shape is None or size == 0.0:
             raise UsageError("origin needs shape and voxel_size beside it; or say the box by bounds")
         return _raymap.Grid(shape, to_vector("origin", origin), size)
-    if shape is None:
-        return fit(resolution, size, box, padding, wall)
-    low, high = bounds_of() if box is None else np.array(box)
-    pad = 0.0 if box is not None else padding * ((high - low).max() or 1.0) + wall / 2
-    if size == 0.0 and not (size := float(((high - low + 2 * pad) / shape).max())) > 0.0:
-        raise UsageError("the box is empty: give bounds, or a padding above 0")
-    x, y, z = ((low + high - size * (np.array(shape) - 1.0)) / 2).tolist()
-    return _raymap.Grid(shape, (x, y, z), size)
+    return fit(resolution, size, shape, box, padding, wall)
 
 
 def _to_shape(options: SurfaceFieldOptions, resolution: int) -> tuple[int, int, int] | None:

@@ -95,7 +95,7 @@ def make_lattice(
     options: SurfaceFieldOptions = {
         "resolution": resolution, "voxel_size": voxel_size, "bounds": bounds, "padding": padding,
     }  # fmt: skip
-    grid = fit_grid(fit, lambda: source.mesh.bounds, options)
+    grid = fit_grid(fit, options)
     return Lattice(grid.dims, grid.origin, grid.spacing)
 
 

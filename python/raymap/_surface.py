@@ -364,7 +364,7 @@ class Surface:
         check_names("generate", options, SurfaceFieldOptions)
         if not self._sign:
             options = {"sign": "none", **options}
-        grid = fit_grid(self._core.fit_grid, lambda: self.mesh.bounds, options)
+        grid = fit_grid(self._core.fit_grid, options)
         options = with_band(options, grid)
         core_options = to_options(options, self._orientation, sparse=sparse)
         if sparse:

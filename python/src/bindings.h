@@ -63,6 +63,10 @@ inline glm::dvec3 toVector(const Triple& v) {
   return {std::get<0>(v), std::get<1>(v), std::get<2>(v)};
 }
 
+inline glm::ivec3 toWhole(const std::tuple<int, int, int>& v) {
+  return {std::get<0>(v), std::get<1>(v), std::get<2>(v)};
+}
+
 inline Triple toTriple(const glm::dvec3& v) {
   return {v.x, v.y, v.z};
 }
@@ -74,7 +78,8 @@ nb::str toText(std::string_view message);
 std::shared_ptr<MeshHandle> own(Mesh mesh);
 
 /// Returns the grid that these options lay over a valid mesh.
-Grid fit(const MeshView& mesh, int resolution, double voxelSize, const std::optional<Bounds>& box,
+Grid fit(const MeshView& mesh, int resolution, double voxelSize,
+         const std::optional<std::tuple<int, int, int>>& dims, const std::optional<Bounds>& box,
          double padding, double thickness);
 
 /// Returns a NumPy array of this shape that owns the elements, for example of a vector.

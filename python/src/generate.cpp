@@ -83,10 +83,12 @@ void bindMachine(nb::module_& module) {
       .def_rw("memory_limit", &MachineOptions::memoryLimit);
 }
 
-Grid fit(const MeshView& mesh, int resolution, double voxelSize, const std::optional<Bounds>& box,
+Grid fit(const MeshView& mesh, int resolution, double voxelSize,
+         const std::optional<std::tuple<int, int, int>>& dims, const std::optional<Bounds>& box,
          double padding, double thickness) {
   GridOptions options{
       .resolution = resolution, .voxelSize = voxelSize, .padding = padding, .thickness = thickness};
+  if (dims) options.dims = toWhole(*dims);
   if (box) options.box = Box{toVector(box->first), toVector(box->second)};
   return fitGrid(mesh, options);
 }
@@ -105,12 +107,14 @@ void bindGenerate(nb::module_& module) {
       .def_ro("spacing", &Grid::spacing);
   module.def(
       "fit_grid",
-      [](const MeshHandle& mesh, int resolution, double voxelSize, const std::optional<Bounds>& bounds,
+      [](const MeshHandle& mesh, int resolution, double voxelSize,
+         const std::optional<std::tuple<int, int, int>>& dims, const std::optional<Bounds>& bounds,
          double padding, double thickness) {
         if (!bounds) validate(mesh.view);
-        return fit(mesh.view, resolution, voxelSize, bounds, padding, thickness);
+        return fit(mesh.view, resolution, voxelSize, dims, bounds, padding, thickness);
       },
-      "mesh"_a, "resolution"_a, "voxel_size"_a, "bounds"_a.none(), "padding"_a, "thickness"_a);
+      "mesh"_a, "resolution"_a, "voxel_size"_a, "dims"_a.none(), "bounds"_a.none(), "padding"_a,
+      "thickness"_a);
   bindOptions(module);
   nb::class_<GeneratorHandle>(module, "Generator")
       .def(nb::init<>())

@@ -40,10 +40,6 @@ std::shared_ptr<SparseHandle> generateSparse(const Surface& self, const Grid& gr
   return result;
 }
 
-glm::ivec3 toWhole(const std::tuple<int, int, int>& v) {
-  return {std::get<0>(v), std::get<1>(v), std::get<2>(v)};
-}
-
 std::shared_ptr<FieldHandle> generateRegion(const Surface& self, const Triple& origin, double spacing,
                                             const std::tuple<int, int, int>& dims,
                                             const std::tuple<int, int, int>& low,
@@ -136,11 +132,12 @@ void bindSurface(nb::module_& module) {
       .def(nb::new_(&make), "mesh"_a, "options"_a, "orientation"_a, "machine"_a, "progress"_a.none())
       .def(
           "fit_grid",
-          [](const Surface& self, int resolution, double voxelSize, const std::optional<Bounds>& bounds,
+          [](const Surface& self, int resolution, double voxelSize,
+             const std::optional<std::tuple<int, int, int>>& dims, const std::optional<Bounds>& bounds,
              double padding, double thickness) {
-            return fit(self.mesh(), resolution, voxelSize, bounds, padding, thickness);
+            return fit(self.mesh(), resolution, voxelSize, dims, bounds, padding, thickness);
           },
-          "resolution"_a, "voxel_size"_a, "bounds"_a.none(), "padding"_a, "thickness"_a)
+          "resolution"_a, "voxel_size"_a, "dims"_a.none(), "bounds"_a.none(), "padding"_a, "thickness"_a)
       .def("generate", &generate, "grid"_a, "options"_a, "machine"_a, "progress"_a.none())
       .def("generate_sparse", &generateSparse, "grid"_a, "options"_a, "machine"_a, "progress"_a.none())
       .def("generate_region", &generateRegion, "origin"_a, "spacing"_a, "dims"_a, "low"_a, "size"_a,

@@ -57,6 +57,24 @@ def test_a_shape_holds_the_box_with_the_smallest_cells(long_mesh: raymap.Mesh) -
     assert wall.spacing == pytest.approx(4.5 / 24)
 
 
+def test_a_shape_of_the_command_line_gives_the_same_field(long_mesh: raymap.Mesh, run_raymap) -> None:
+    long_mesh.save("long.ply")
+    bounds = ((9, -21, 29), (11.5, -19, 30.75))
+    for arguments, options in (
+        (("--shape", 12, 12, 12), dict(resolution=12, cube=True)),
+        (("--shape", 13, 7, 5, "--padding", 0.3), dict(shape=(13, 7, 5), padding=0.3)),
+        (("--shape", 13, 7, 5, "--voxel-size", 0.3, "--thickness", 0.1), dict(shape=(13, 7, 5), voxel_size=0.3, thickness=0.1)),
+        (("--shape", 9, 7, 5, "--bounds", *np.ravel(bounds)), dict(shape=(9, 7, 5), bounds=bounds)),
+    ):  # fmt: skip
+        run_raymap("generate", "long.ply", "-o", "long.npz", "--device", "cpu", *arguments)
+        made, field = raymap.load_field("long.npz"), raymap.generate("long.ply", device="cpu", **options)
+        assert made.spacing == field.spacing and made.origin.tolist() == field.origin.tolist()
+        np.testing.assert_array_equal(made.distance, field.distance)
+    run_raymap("generate", "long.ply", "-o", "long.vdb", "--shape", 40, 41, 42, "--band", 3, "--full-inside")
+    raymap.generate("long.ply", shape=(40, 41, 42), sparse=True, band=(np.inf, 3)).save("band.vdb")
+    assert Path("long.vdb").read_bytes() == Path("band.vdb").read_bytes()
+
+
 def test_an_origin_says_all_samples(long_mesh: raymap.Mesh) -> None:
     field = raymap.generate(long_mesh, shape=(5, 6, 7), origin=(9, -21, 29), voxel_size=0.375, device="cpu")
     assert field.shape == (5, 6, 7) and field.spacing == 0.375 and field.origin.tolist() == [9, -21, 29]

@@ -38,6 +38,8 @@ GridOptions raymap::c::gridOptions(const raymap_grid_options* options) {
   const raymap_grid_options given = read(options);
   GridOptions wanted{.voxelSize = given.voxel_size, .thickness = given.thickness};
   if (given.resolution != 0) wanted.resolution = given.resolution;
+  if (const glm::ivec3 dims(given.dims[0], given.dims[1], given.dims[2]); dims != glm::ivec3(0))
+    wanted.dims = dims;
   if (given.has_padding) wanted.padding = given.padding;
   if (given.has_box) wanted.box = Box{vectorOf(given.box_min), vectorOf(given.box_max)};
   return wanted;

@@ -289,6 +289,7 @@ RepairGrid fitRepairGrid(const MeshView& mesh, const GridOptions& options, const
   GridOptions covering = options;
   covering.resolution = options.resolution.value_or(kRepairResolution);
   covering.box.reset();
+  covering.dims.reset();
   covering.thickness = std::max({2.0 * repair.offset, repair.minThickness.value_or(0.0), 0.0});
   RepairGrid grid{fitGrid(mesh, covering)};
   if (options.resolution || options.voxelSize > 0.0) return grid;

@@ -22,6 +22,11 @@ TEST_F(CliChecks, RefusesBadOptions) {
   refuse("--voxel-size nan", "--voxel-size: must be a number above 0, not nan");
   refuse("--voxel-size 1 --resolution 3",
          "--voxel-size and --resolution cannot be used together; leave one of them out");
+  refuse("--shape 8 8 8 --resolution 8",
+         "--resolution and --shape cannot be used together; leave one of them out");
+  refuse("--shape 8 8", "--shape takes 3 numbers, and here are 2");
+  refuse("--shape 8 0 8", "--shape: must be a whole number from 1 to 2147483647, not 0");
+  refuse("--shape 8 8 8.5", "--shape: must be a whole number from 1 to 2147483647, not 8.5");
   refuse("--bounds 0 0 0 1 1", "--bounds");
   refuse("--bounds 1 0 0 0 1 1", "--bounds: each of x0 y0 z0 must be less");
   refuse("--padding -1", "--padding");

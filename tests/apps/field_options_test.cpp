@@ -22,6 +22,19 @@ TEST_F(CliFieldOptions, CoversTheRequestedBox) {
   EXPECT_DOUBLE_EQ(other.origin.z, -2.375);
 }
 
+TEST_F(CliFieldOptions, HasTheRequestedShape) {
+  writeTorus();
+  const Mesh mesh = readMesh(path("torus.ply"));
+  const auto gridOf = [&](const std::string& options) {
+    succeed("generate torus.ply -o shape.nrrd --device cpu --shape " + options);
+    return readField(path("shape.nrrd")).grid;
+  };
+  EXPECT_EQ(gridOf("19,18,8 --padding 0.05"),
+            fitGrid(mesh, {.dims = glm::ivec3(19, 18, 8), .padding = 0.05}));
+  EXPECT_EQ(gridOf("4 4 2 --voxel-size 0.5"), (Grid{glm::ivec3(4, 4, 2), {-0.75, -0.75, -0.25}, 0.5}));
+  EXPECT_EQ(gridOf("2 2 2 --bounds 0 0 0 2 1 1"), (Grid{glm::ivec3(2), {0.5, 0, 0}, 1.0}));
+}
+
 TEST_F(CliFieldOptions, SamplesCurvesAsAsked) {
   Mesh mesh = shapes::torus(2.0, 0.7, 40, 24);
   std::erase_if(mesh.triangles, [&](const glm::uvec3& t) { return mesh.position(t.x).x > 2.2; });

@@ -91,6 +91,7 @@ TEST_F(CliOptions, AreDescribedAlikeInEveryCommand) {
   expectIn("--triangles", {"mesh", "repair", "simplify"});
   expectIn("--bounds", {"generate", "mesh", "render"});
   expectIn("--voxel-size", {"generate", "mesh", "render", "repair"});
+  expectIn("--shape", {"generate", "mesh", "render"});
   expectIn("--close-holes", {"generate", "mesh", "view", "repair"});
   expectIn("--quiet", {all.begin(), all.end()});
   expectIn("--verbose", {all.begin(), all.end()});
@@ -141,6 +142,8 @@ TEST_F(CliOptions, AreUnderstoodOrNamed) {
       {"generate torus.ply -o o.nrrd --bounds -4 -3 -1 4 3", "--bounds takes 6 numbers, and here are 5"},
       {"generate torus.ply -o o.nrrd --dry-run", "raymap info MESH says what is wrong and what to do"},
       {"generate torus.ply -o o.nrrd --resolutoin 8", "did you mean --resolution?"},
+      {"generate torus.ply -o o.nrrd -q --dims 8 8 8", ""},
+      {"generate torus.ply -o o.nrrd --cube", "--shape N N N makes N samples along every side"},
       {"generate torus.ply -o o.nrrd --gpu", "--device vulkan computes on a GPU"},
       {"generate torus.ply -o o.nrrd --cut", "--cut; it is an option of render"},
       {"generate torus.ply -o o.nrrd --sign harmonc", "--sign: must be one of harmonic, exact, paths,"},

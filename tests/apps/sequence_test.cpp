@@ -135,6 +135,8 @@ TEST_F(CliSequence, ReadsNumberedMeshes) {
   succeed("generate t%d.ply --frames 3:5 --bounds 0 0 0 4 4 4 --resolution 8 -o b%d.nrrd");
   EXPECT_EQ(readField(path("b4.nrrd")).grid,
             fitGrid(Box{{0, 0, 0}, {4, 4, 4}}, {.resolution = 8, .padding = 0}));
+  EXPECT_EQ(run("generate t%d.ply --frames 3:5 --shape 6 5 4 -o s%d.nrrd").code, 0);
+  EXPECT_EQ(readField(path("s5.nrrd")).grid, fitGrid(box, {.dims = glm::ivec3(6, 5, 4)}));
 }
 
 TEST_F(CliSequence, DrawsEachFrame) {

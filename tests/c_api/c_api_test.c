@@ -69,7 +69,15 @@ static void test_grid_options(void) {
   CHECK(fabs(grid.origin[1] - 3.0 - grid.spacing / 2) < 1e-9 && fabs(grid.spacing * 128 - 4.0) < 1e-9);
   options.voxel_size = 0.5;
   CHECK(raymap_fit_grid(mesh, &options, &grid) == RAYMAP_OK && grid.dims[1] == 8 && grid.spacing == 0.5);
+  options.dims[0] = options.dims[1] = options.dims[2] = 3; /* The centre of the box is (0.5, 5, 0.5). */
+  CHECK(raymap_fit_grid(mesh, &options, &grid) == RAYMAP_OK && grid.dims[1] == 3 && grid.spacing == 0.5);
+  CHECK(grid.origin[0] == 0.0 && grid.origin[1] == 4.5);
   options.voxel_size = 0.0;
+  CHECK(raymap_fit_grid(mesh, &options, &grid) == RAYMAP_OK && grid.dims[0] == 3 && grid.dims[2] == 3);
+  CHECK(fabs(grid.spacing - 4.0 / 3) < 1e-9 && fabs(grid.origin[1] - 5.0 + 4.0 / 3) < 1e-9);
+  options.dims[1] = 0;
+  CHECK_FAILS(raymap_fit_grid(mesh, &options, &grid), RAYMAP_ERROR_USAGE, "not 3 x 0 x 3");
+  options.dims[0] = options.dims[2] = 0;
   options.resolution = -3;
   CHECK(raymap_fit_grid(mesh, &options, &grid) == RAYMAP_ERROR_USAGE);
   raymap_mesh_free(mesh);

@@ -85,10 +85,32 @@ TEST(Grid, HoldsTheWallAroundASheet) {
     EXPECT_THROW(fitGrid(mesh, {.thickness = thickness}), Error) << thickness;
 }
 
-TEST(Grid, RefusesAnEmptyBox) {
-  GridOptions options;
-  options.box = Box{glm::dvec3(1), glm::dvec3(0)};
-  EXPECT_THROW(fitGrid(shapes::box({0, 0, 0}, {1, 1, 1}), options), Error);
+// All lengths are sums of powers of two, so the results are exact.
+TEST(Grid, OfAShapeHasTheSmallestCellsThatHoldTheBox) {
+  const Mesh mesh = shapes::box({8, -21, 29.5}, {12, -19, 30.5});
+  const auto expect = [&](const GridOptions& options, double spacing, glm::dvec3 origin) {
+    const Grid grid = fitGrid(mesh, options);
+    EXPECT_EQ(grid.dims, *options.dims);
+    EXPECT_EQ(grid.spacing, spacing);
+    EXPECT_EQ(grid.origin, origin);
+    EXPECT_EQ(fitGrid(bounds(mesh), options), grid);
+  };
+  const glm::dvec3 centre(10, -20, 30);
+  const auto first = [&](glm::ivec3 dims, double spacing) {
+    return centre - 0.5 * spacing * glm::dvec3(dims - 1);
+  };
+  // The padded sides are 6, 4 and 3 long. y needs the largest cells.
+  const glm::ivec3 flat(32, 8, 8);
+  expect({.dims = flat, .padding = 0.25}, 0.5, first(flat, 0.5));
+  expect({.resolution = -1, .dims = flat, .padding = 0.0, .thickness = 2.0}, 0.5, first(flat, 0.5));
+  // A size of cells rules, also where they then cut the box.
+  const glm::ivec3 cube(4);
+  expect({.voxelSize = 0.125, .dims = cube}, 0.125, first(cube, 0.125));
+  const Box box{{0, 0, 0}, {1, 2, 4}};
+  expect({.dims = cube, .box = box, .thickness = 9.0}, 1.0, glm::dvec3(0.5, 1, 2) - 1.5);
+  expect({.voxelSize = 2.0, .dims = glm::ivec3(1, 2, 1), .box = box}, 2.0, {0.5, 0, 2});
+  // A repair needs all of the mesh in the grid.
+  EXPECT_EQ(fitRepairGrid(mesh, {.resolution = 20, .dims = cube}), fitRepairGrid(mesh, {.resolution = 20}));
 }
 
 /// Returns the message of the error that `work` throws, which must be one of usage.
@@ -101,6 +123,25 @@ std::string usageError(Work&& work) {
     return error.what();
   }
   return "";
+}
+
+TEST(Grid, RefusesAnEmptyBox) {
+  const Mesh mesh = shapes::box({0, 0, 0}, {1, 1, 1});
+  const Box point{glm::dvec3(1), glm::dvec3(1)}, inverted{glm::dvec3(1), glm::dvec3(0)};
+  for (const std::optional<glm::ivec3> dims : {std::optional<glm::ivec3>(), {glm::ivec3(4)}}) {
+    for (const Box& box : {point, inverted})
+      EXPECT_EQ(usageError([&] { fitGrid(mesh, {.dims = dims, .box = box}); }),
+                "the box is empty: its maximum must exceed its minimum");
+    EXPECT_THROW(fitGrid(mesh, {.voxelSize = 1.0, .dims = dims, .box = inverted}), Error);
+    EXPECT_EQ(fitGrid(mesh, {.voxelSize = 1.0, .dims = dims, .box = point}).dims,
+              dims.value_or(glm::ivec3(1)));
+  }
+}
+
+TEST(Grid, RefusesAShapeWithoutSamples) {
+  const Mesh mesh = shapes::box({0, 0, 0}, {1, 1, 1});
+  EXPECT_EQ(usageError([&] { fitGrid(mesh, {.dims = glm::ivec3(8, 0, 8)}); }),
+            "the grid must have at least 1 sample along every side, not 8 x 0 x 8");
 }
 
 TEST(Grid, NamesTheSideOfABoxThatIsNotFinite) {
