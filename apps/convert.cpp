@@ -19,7 +19,8 @@ namespace {
 
 struct ConvertArguments {
   StreamFormat format;
-  std::filesystem::path input, output, second;  ///< `second`: the output without -o.
+  std::filesystem::path input, output;
+  std::vector<std::filesystem::path> others;  ///< Further inputs; without -o the output.
   bool mayOverwrite = false, half = false;
   std::string gridName;
   MeshUnits units;
@@ -110,13 +111,48 @@ void writeConverted(const ConvertArguments& arguments, SparseField& band) {
   printWritten(arguments.output);
 }
 
-void run(ConvertArguments& arguments) {
-  if (arguments.output.empty()) arguments.output = arguments.second;
-  if (arguments.output.empty())
+/// Writes the narrow bands of several files as grids of one, each under the name of its file.
+void joinBands(const ConvertArguments& arguments, const std::vector<std::filesystem::path>& inputs) {
+  if (!hasExtension(named(arguments.output, arguments.format.output), {".vdb", ".nvdb"}))
+    throw Error(ErrorCode::Usage, "several inputs become grids of one .vdb or .nvdb, and " +
+                                      displayName(arguments.output) +
+                                      " is none; give one input, or another output");
+  if (!arguments.gridName.empty())
+    throw Error(ErrorCode::Usage,
+                "--grid-name names one grid, and each of several inputs gives its grid the "
+                "name of its file; leave it out");
+  std::vector<SparseField> bands;
+  std::vector<std::string> names;
+  for (const std::filesystem::path& input : inputs) {
+    bands.push_back(loadBand(input, arguments.format.input, arguments.format.grid));
+    convertUnits(bands.back(), arguments.units, named(input, arguments.format.input));
+    names.push_back(input.stem().string());
+  }
+  std::vector<NamedBand> all;
+  for (size_t b = 0; b < bands.size(); ++b) all.push_back({names[b], &bands[b]});
+  writeBands(arguments.output, all, {.format = arguments.format.output, .half = arguments.half});
+  printWritten(arguments.output);
+}
+
+/// Takes the last of two files as the output, unless --output names it.
+void findOutput(ConvertArguments& arguments) {
+  if (!arguments.output.empty()) return;
+  if (arguments.others.size() != 1)
     throw Error(ErrorCode::Usage, "--output is required; see raymap convert --help");
+  arguments.output = arguments.others.front();
+  arguments.others.clear();
+}
+
+void run(ConvertArguments& arguments) {
+  findOutput(arguments);
   const std::vector<Output> outputs{{"--output", arguments.output, outputExtensions(arguments)}};
-  prepareFiles(arguments.format, {{arguments.input, meshAndFieldExtensions()}}, outputs);
-  if (!arguments.mayOverwrite) checkInputs(outputs, {arguments.input});
+  std::vector<Input> files{{arguments.input, meshAndFieldExtensions()}};
+  for (std::filesystem::path& other : arguments.others) files.push_back({other, meshAndFieldExtensions()});
+  prepareFiles(arguments.format, files, outputs);
+  std::vector<std::filesystem::path> inputs{arguments.input};
+  inputs.insert(inputs.end(), arguments.others.begin(), arguments.others.end());
+  if (!arguments.mayOverwrite) checkInputs(outputs, inputs);
+  if (inputs.size() > 1) return joinBands(arguments, inputs);
   auto read = loadMeshFieldOrBand(arguments.input, arguments.format.input, arguments.format.grid);
   if (Mesh* mesh = std::get_if<Mesh>(&read))
     writeConverted(arguments, *mesh);
@@ -134,9 +170,11 @@ void addConvert(CLI::App& app) {
   command->add_option("input", arguments->input, "Field or mesh to read")
       ->type_name("FIELD|MESH")
       ->required();
-  command->add_option("file", arguments->second, "File to write, in place of --output")
-      ->type_name("FILE")
-      ->excludes(addOption(*command, "--output", arguments->output));
+  command
+      ->add_option("files", arguments->others,
+                   "File to write, in place of --output; with it, level sets to write into the same file")
+      ->type_name("FILE...");
+  addOption(*command, "--output", arguments->output);
   addOption(*command, "--format", arguments->format.given);
   addOption(*command, "--grid", arguments->format.grid);
   addOption(*command, "--grid-name", arguments->gridName);
@@ -145,6 +183,7 @@ void addConvert(CLI::App& app) {
   command->footer(
       "Examples:\n  raymap convert bunny.vdb -o bunny.nrrd\n  raymap convert bunny.vdb -o bunny.nvdb\n  "
       "raymap convert bunny.3mf -o bunny.ply\n"
+      "  raymap convert body.vdb hull.vdb -o both.vdb     (its grids are 'body' and 'hull')\n"
       "  raymap convert car.glb -o car.3mf --unit mm --up y");
   addMeshOutputOptions(*command, arguments->units);
   command->callback([arguments] { run(*arguments); });

@@ -93,15 +93,20 @@ void finishOptions(GenerateArguments& arguments) {
     throw Error(ErrorCode::Usage, "--triangle-ids needs another distance; leave out --distance raster");
 }
 
+bool isWritten(const GenerateArguments& arguments, const fs::path& path,
+               const std::vector<std::string>& extensions) {
+  return std::ranges::find(extensions, arguments.format.output) != extensions.end() ||
+         hasExtension(path, extensions);
+}
+
 void writeAll(const GenerateArguments& arguments, const Field& field, Report& report) {
   const auto write = [&](const fs::path& path, FieldArray array) {
     if (path.empty()) return;
-    const bool isVdb = arguments.format.output == ".vdb" || hasExtension(path, {".vdb"});
     writeField(path, field,
                {.array = array,
                 .format = arguments.format.output,
                 .gridName = array == FieldArray::Distance ? std::string_view(arguments.gridName) : "",
-                .half = arguments.half && isVdb});
+                .half = arguments.half && isWritten(arguments, path, {".vdb", ".nvdb"})});
     report.written.push_back(path);
   };
   write(arguments.field, FieldArray::Distance);
@@ -237,12 +242,6 @@ bool isOfSurface(const GenerateArguments& arguments) {
 bool isAlone(const GenerateArguments& arguments) {
   const FieldOptions& o = arguments.options;
   return !o.triangle && !o.winding && !o.confidence;
-}
-
-bool isWritten(const GenerateArguments& arguments, const fs::path& path,
-               const std::vector<std::string>& extensions) {
-  return std::ranges::find(extensions, arguments.format.output) != extensions.end() ||
-         hasExtension(path, extensions);
 }
 
 /// Returns whether a field is made near the surface alone, which takes less time and memory for so many
@@ -486,12 +485,10 @@ void makeFrames(const GenerateArguments& arguments) {
 void run(GenerateArguments& arguments) {
   finishOptions(arguments);
   prepareFiles(arguments.format, {{arguments.mesh, meshExtensions()}}, outputs(arguments));
-  if (arguments.half && !isWritten(arguments, arguments.field, {".vdb"}))
-    throw Error(ErrorCode::Usage,
-                "--half is for a .vdb, and " + displayName(arguments.field) + " is none; leave it out");
-  if (!arguments.gridName.empty() && !isWritten(arguments, arguments.field, {".vdb", ".nvdb"}))
-    throw Error(ErrorCode::Usage, "--grid-name is for a .vdb or .nvdb, and " + displayName(arguments.field) +
-                                      " is none; leave it out");
+  const char* const option = arguments.half ? "--half" : arguments.gridName.empty() ? nullptr : "--grid-name";
+  if (option && !isWritten(arguments, arguments.field, {".vdb", ".nvdb"}))
+    throw Error(ErrorCode::Usage, std::string(option) + " is for a .vdb or .nvdb, and " +
+                                      displayName(arguments.field) + " is none; leave it out");
   if (!arguments.mayOverwrite) checkInputs(outputs(arguments), {arguments.mesh, arguments.offsets});
   testBeforeFirstUse(arguments.machine.device);
   if (arguments.frames.frames.empty())

@@ -52,7 +52,8 @@ constexpr OptionRow kRows[] = {
     {"--grid", "", "Files", Text, "NAME", "the first level set",
      "Name of the grid to read from a .vdb or .nvdb; of two fields, from both"},
     {"--half", "", "Files", Nothing, "", "",
-     "Store the numbers of a .vdb in 16 bits: half the size, and distances to a thousandth of themselves"},
+     "Store the numbers in 16 bits, at half the size: in a .vdb to a thousandth of themselves, in a .nvdb "
+     "to 1/65535 of the band's width or the largest distance"},
     {"--overwrite", "-f,--force", "Files", Nothing, "", "", "Allow an output to replace an input"},
     {"--triangle-ids", "", "Files", File, "FILE", "",
      "Also write the index of each sample's closest triangle"},

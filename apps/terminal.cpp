@@ -352,4 +352,9 @@ Field loadFieldOnly(const std::filesystem::path& path, const std::string& format
   failKind(path, "a mesh, and a field", "generate", ".npz");
 }
 
+SparseField loadBand(const std::filesystem::path& path, const std::string& format, const std::string& grid) {
+  const WaitingLine line("reading " + displayName(path.filename()));
+  return readBand(path, {.format = format, .warn = warn, .gridName = grid});
+}
+
 }  // namespace raymap

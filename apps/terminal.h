@@ -171,5 +171,7 @@ std::variant<Mesh, Field, SparseField> loadMeshFieldOrBand(const std::filesystem
 Mesh loadMesh(const std::filesystem::path& path, const std::string& format = "", bool allowEmpty = false);
 Field loadFieldOnly(const std::filesystem::path& path, const std::string& format = "",
                     const std::string& grid = "");
+/// Reads a level set of any size as a narrow band; see `readBand`.
+SparseField loadBand(const std::filesystem::path& path, const std::string& format, const std::string& grid);
 
 }  // namespace raymap

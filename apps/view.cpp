@@ -35,16 +35,17 @@ Examples:
 
 struct WindowArguments : FieldArguments {
   fs::path input, other;
-  std::string clip, as;
+  std::string clip, as, gridName;
   ViewArguments camera;
   RenderOptions view;
 };
 
 #ifdef RAYMAP_HAS_VIEW
 
-view::Content load(const fs::path& path, const std::string& clip) {
+/// Reads what the window shows. `grid` names that of a field.
+view::Content load(const fs::path& path, const std::string& clip, const std::string& grid) {
   view::Content content;
-  if (hasExtension(path, {".gltf", ".glb"})) {
+  if (grid.empty() && hasExtension(path, {".gltf", ".glb"})) {
     const WaitingLine line("reading " + displayName(path.filename()));
     std::vector<Warning> warnings;
     const ReadOptions options{.warn = [&](const Warning& warning) { warnings.push_back(warning); }};
@@ -56,7 +57,7 @@ view::Content load(const fs::path& path, const std::string& clip) {
     }
   }
   if (content.bounds.isEmpty()) {  // Nothing in it moves.
-    std::variant<Mesh, Field> read = loadMeshOrField(path);
+    std::variant<Mesh, Field> read = loadMeshOrField(path, "", grid);
     content = std::visit([](auto& each) { return view::contentOf(std::move(each)); }, read);
   }
   content.title = displayName(path.filename());
@@ -195,10 +196,20 @@ void open(WindowArguments& arguments) {
                          .options = arguments.options};
   options.state.clip = arguments.clip;
   setState(arguments.view, options.state);
-  options.load = load;
-  options.command = [&arguments](const fs::path& path, const fs::path& other, const view::ViewState& state) {
-    const fs::path& offsets = arguments.offsets;
-    return commandFor(path, other, state) + (offsets.empty() ? "" : " --offsets " + quoted(offsets.string()));
+  // Files that are dropped on the window have other grids.
+  const auto gridOf = [&arguments](const fs::path& path) {
+    return path == arguments.input || path == arguments.other ? arguments.gridName : "";
+  };
+  options.load = [gridOf](const fs::path& path, const std::string& clip) {
+    return load(path, clip, gridOf(path));
+  };
+  options.command = [&arguments, gridOf](const fs::path& path, const fs::path& other,
+                                         const view::ViewState& state) {
+    const auto add = [](const char* option, const std::string& value) {
+      return value.empty() ? "" : std::string(" ") + option + " " + quoted(value);
+    };
+    return commandFor(path, other, state) + add("--grid", gridOf(path)) +
+           add("--offsets", arguments.offsets.string());
   };
   options.apply = applyCommand;
   options.write = [](const Picture& picture, const std::string& command) {
@@ -257,6 +268,7 @@ void addView(CLI::App& app) {
       ->type_name("MESH|FIELD")
       ->required();
   command->add_option("other", arguments->other, "Another one to compare with")->type_name("MESH|FIELD");
+  addOption(*command, "--grid", arguments->gridName);
   addOption(*command, "--clip", arguments->clip);
   addOption(*command, "--resolution", arguments->grid.resolution);
   addMethodOptions(*command, *arguments);

@@ -117,13 +117,17 @@ struct FieldWriteOptions {
   FieldArray array = FieldArray::Distance;
   std::string_view format = {};    ///< Extension that counts where the path has none that is known.
   std::string_view gridName = {};  ///< Name of the array's grid in a .vdb or .nvdb; empty: its own.
-  bool half = false;               ///< Whether a .vdb stores numbers that are not whole in 16 bits.
+  /// Whether a .vdb or .nvdb stores numbers that are not whole in 16 bits: a .vdb as half floats, each off by
+  /// at most 1/2048 of itself; a .nvdb as NanoVDB's Fp16, each off by at most 1/131070 of the range of values
+  /// in its leaf of 8 x 8 x 8 samples. Distances that are closer to 0 may then change their sign.
+  bool half = false;
 };
 
 /// Writes one array of a field as .nrrd, .npz, .npy, .vti, .vdb or .nvdb. The file appears whole or not
 /// at all. Throws `Error`: Usage for another extension, an array that the field does not have or a grid
-/// without samples or with numbers that are not finite, a name for a format without, 16 bits but for .vdb, 16
-/// bits for distances beyond 65504 or samples closer than 0.0001; File.
+/// without samples or with numbers that are not finite, a name or 16 bits for a format without, 16 bits in a
+/// .vdb for distances beyond 65504 or samples closer than 0.0001, and in a .nvdb for numbers that are not
+/// finite or beyond 1e38; File.
 RAYMAP_API void writeField(const std::filesystem::path& path, const Field& field,
                            const FieldWriteOptions& options = {});
 

@@ -76,25 +76,44 @@ void checkLength(const fs::path& path, const Format& format, const std::string& 
                                       " bytes, and a .nvdb holds 255; choose a shorter one");
 }
 
-/// Throws `Error(Usage)` unless the format has what the options ask for.
-void checkStorage(const fs::path& path, const Format& format, const Grid& grid, double farthest,
-                  const FieldWriteOptions& options) {
+/// Throws `Error(Usage)` unless 16 bits hold the numbers of a field as the format stores them. `farthest` is
+/// its largest distance.
+template <class AnyField>
+void checkHalf(const fs::path& path, const Format& format, const AnyField& field, double farthest) {
+  if (!format.writeNamed)
+    throw Error(ErrorCode::Usage, path.string() + ": only a .vdb or .nvdb has numbers of 16 bits; use 32");
+  if (format.extension == ".nvdb") {
+    constexpr double kMost = 1e38;  // The range of a leaf must be a float.
+    const auto isHeld = [](float value) { return std::abs(double(value)) <= kMost; };
+    if (farthest > kMost || !std::ranges::all_of(field.distance, isHeld) ||
+        !std::ranges::all_of(field.winding, isHeld) || !std::ranges::all_of(field.confidence, isHeld))
+      throw Error(ErrorCode::Usage,
+                  path.string() + ": a .nvdb holds finite numbers of up to 1e38 in 16 bits; use 32 bits");
+    return;
+  }
   constexpr double kMostHalf = 65504.0, kLeastSpacing = 1e-4;
+  const double spacing = field.grid.spacing;
+  if (farthest > kMostHalf || spacing < kLeastSpacing)
+    throw Error(ErrorCode::Usage, path.string() + ": numbers of 16 bits reach from " +
+                                      numberText(kLeastSpacing) + " to " + numberText(kMostHalf) +
+                                      ", and here are samples " + numberText(spacing) +
+                                      " apart and distances of " + numberText(farthest) +
+                                      "; write a .nvdb, or use another unit or 32 bits");
+}
+
+/// Throws `Error(Usage)` unless the format has what the options ask for. `farthest` is the largest distance.
+template <class AnyField>
+void checkStorage(const fs::path& path, const Format& format, const AnyField& field, double farthest,
+                  const FieldWriteOptions& options) {
   if (!format.writeNamed && !options.gridName.empty())
     throw Error(ErrorCode::Usage, path.string() + ": only a .vdb or .nvdb has a grid's name; leave it out");
-  if (options.half && format.extension != ".vdb")
-    throw Error(ErrorCode::Usage, path.string() + ": only a .vdb has numbers of 16 bits; use 32");
+  if (options.half) checkHalf(path, format, field, farthest);
   const std::string name(options.gridName);
   checkLength(path, format, name);
   if (std::ranges::any_of(kArrayNames, [&](std::string_view other) {
         return other == name && other != kArrayNames[size_t(options.array)];
       }))
     throw Error(ErrorCode::Usage, "'" + name + "' is the name of another array; choose another for the grid");
-  if (options.half && (farthest > kMostHalf || grid.spacing < kLeastSpacing))
-    throw Error(ErrorCode::Usage,
-                path.string() + ": numbers of 16 bits reach from " + numberText(kLeastSpacing) + " to " +
-                    numberText(kMostHalf) + ", and here are samples " + numberText(grid.spacing) +
-                    " apart and distances of " + numberText(farthest) + "; use another unit, or 32 bits");
 }
 
 /// Returns "'a', 'b' and 3 more".
@@ -164,7 +183,7 @@ void checkBand(const fs::path& path, const Format& format, const SparseField& ba
                const FieldWriteOptions& options) {
   validateField(band);
   const double farthest = std::max(band.outside, std::isfinite(band.inside) ? band.inside : 0.0);
-  checkStorage(path, format, band.grid, std::max(farthest, double(largestMagnitude(band.distance))), options);
+  checkStorage(path, format, band, std::max(farthest, double(largestMagnitude(band.distance))), options);
 }
 
 const Format& bandFormat(const fs::path& path, const FieldWriteOptions& options) {
@@ -239,7 +258,7 @@ void writeField(const fs::path& path, const Field& field, const FieldWriteOption
     if (each.bytes.size() != field.grid.sampleCount() * elementSize(each.type))
       throw Error(ErrorCode::Usage,
                   "the field's array '" + std::string(each.name) + "' does not fit its grid");
-  checkStorage(path, format, field.grid, largestMagnitude(field.distance), options);
+  checkStorage(path, format, field, largestMagnitude(field.distance), options);
   const auto write = [&](std::ostream& out) {
     format.write ? format.write(out, field, array)
                  : format.writeNamed(out, field, array, {options.gridName, options.half});

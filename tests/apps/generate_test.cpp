@@ -78,6 +78,21 @@ TEST_F(CliGenerate, MakesANarrowBandOfManySamples) {
 
 // A field that does not fit into the memory allowed is written in slabs, and a run that failed is gone on
 // with.
+TEST_F(CliGenerate, StoresNumbersIn16Bits) {
+  const std::vector<std::string> extensions = fieldExtensions();
+  if (std::ranges::find(extensions, ".nvdb") == extensions.end()) GTEST_SKIP();
+  writeTorus();
+  const std::string generate = "generate torus.ply --resolution 30 --band 3 -o ";
+  succeed(generate + "whole.nrrd");
+  succeed(generate + "half.nvdb --half --winding winding.nrrd");
+  const Field whole = readField(path("whole.nrrd")), half = readField(path("half.nvdb"));
+  EXPECT_EQ(half.grid, whole.grid);
+  for (size_t s = 0; s < whole.distance.size(); ++s)
+    ASSERT_NEAR(half.distance[s], whole.distance[s], 1.02 * whole.clampDistance / 65535.0) << s;
+  EXPECT_FALSE(std::ranges::equal(half.distance, whole.distance));
+  expectFailure(generate + "half.nrrd --half", ErrorCode::Usage, "--half is for a .vdb or .nvdb");
+}
+
 TEST_F(CliGenerate, WritesSlabsOfWhatDoesNotFit) {
   const Mesh mesh = shapes::sphere(1.0, 3);
   writeMesh(path("ball.ply"), mesh);

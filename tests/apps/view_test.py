@@ -264,9 +264,13 @@ class ViewTest(unittest.TestCase):
         self.close()
 
     def test_shows_a_field_and_the_mesh_over_it(self):
-        subprocess.run([RAYMAP, "generate", self.mesh, "-o", self.folder / "globe.vdb", "--resolution", "40", "-q"], check=True)
-        window = self.open(self.folder / "globe.vdb")
+        for mesh in self.mesh, self.cube("a.obj"):
+            subprocess.run([RAYMAP, "generate", mesh, "-o", mesh.with_suffix(".vdb"), "--resolution", "40", "-q"], check=True)
+        subprocess.run([RAYMAP, "convert", "a.vdb", self.mesh.with_suffix(".vdb").name, "-o", "both.vdb", "-q"],
+                       cwd=self.folder, check=True)
+        window = self.open(self.folder / "both.vdb", "--grid", "globe")
         picture, command = window.picture()
+        self.assertIn(" --grid globe", command)
         self.check_as_render(picture, command)
         self.close()
         window = self.open(self.cube("cube.obj"), "--resolution", "40", "--iso", "-0.05")

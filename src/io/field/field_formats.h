@@ -54,7 +54,7 @@ std::variant<Field, SparseField> readNvdb(const SourceFile& source, LeftOut& lef
 /// How a .vdb or .nvdb stores an array.
 struct VdbStorage {
   std::string_view gridName;  ///< Empty: that of the array.
-  bool half = false;          ///< Whether numbers that are not whole take 16 bits in a .vdb.
+  bool half = false;          ///< Whether numbers that are not whole take 16 bits.
 };
 
 void writeVdb(std::ostream& out, const Field& field, const NamedArray& array, const VdbStorage& storage);

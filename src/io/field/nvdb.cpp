@@ -4,12 +4,14 @@
 
 #include <nanovdb/util/IO.h>
 #include <nanovdb/util/OpenToNanoVDB.h>
+#include <openvdb/tools/Prune.h>
 
 #include <cstring>
 #include <memory>
 #include <new>
 #include <sstream>
 #include <string>
+#include <type_traits>
 #include <vector>
 
 #include "io/field/nvdb_nodes.h"
@@ -70,22 +72,32 @@ void append(const std::string& metadata, uint64_t room, nanovdb::GridData& grid)
   std::memcpy(about + 1, metadata.data(), metadata.size());
 }
 
-template <class GridType>
-Handle convert(const openvdb::GridBase& grid) {
+/// Converts a grid. `Build` is the type of its values in the file.
+template <class GridType, class Build>
+Handle convert(openvdb::GridBase& base) {
   using Value = typename GridType::ValueType;
+  auto& grid = static_cast<GridType&>(base);
+  // The range of a leaf with one value has no steps. As a tile, it needs none.
+  if constexpr (!std::is_same_v<Build, Value>) openvdb::tools::prune(grid.tree());
   const std::string metadata = metadataOf(grid);
   const uint64_t room =
       (sizeof(nanovdb::GridBlindMetaData) + metadata.size() + kAlignment - 1) / kAlignment * kAlignment;
-  nanovdb::OpenToNanoVDB<Value, Value, nanovdb::AbsDiff, ZeroedBuffer> converter;
+  nanovdb::OpenToNanoVDB<Value, Build, nanovdb::AbsDiff, ZeroedBuffer> converter;
   converter.setChecksum(nanovdb::ChecksumMode::Disable);
   // Without active values there is nothing to tell, which the statistics warn of.
   if (grid.activeVoxelCount() == 0) converter.setStats(nanovdb::StatsMode::Disable);
-  Handle handle = converter(static_cast<const GridType&>(grid), ZeroedBuffer(room));
-  auto* made = handle.template grid<Value>();
+  Handle handle = converter(grid, ZeroedBuffer(room));
+  auto* made = handle.template grid<Build>();
   placeEmptyNodes(*made);
   append(metadata, room, *made->data());
   nanovdb::updateChecksum(*made, nanovdb::ChecksumMode::Full);
   return handle;
+}
+
+Handle convert(openvdb::GridBase& grid) {
+  if (!grid.isType<openvdb::FloatGrid>()) return convert<openvdb::Int32Grid, int32_t>(grid);
+  return grid.saveFloatAsHalf() ? convert<openvdb::FloatGrid, nanovdb::Fp16>(grid)
+                                : convert<openvdb::FloatGrid, float>(grid);
 }
 
 }  // namespace
@@ -94,8 +106,7 @@ void putNvdb(std::ostream& out, openvdb::GridPtrVec& grids) {
   std::vector<Handle> handles;
   nanovdb::io::Segment about;
   for (openvdb::GridBase::Ptr& grid : grids) {
-    handles.push_back(grid->isType<openvdb::FloatGrid>() ? convert<openvdb::FloatGrid>(*grid)
-                                                         : convert<openvdb::Int32Grid>(*grid));
+    handles.push_back(convert(*grid));
     grid.reset();
     about.add(handles.back());
     about.meta.back().fileSize = handles.back().size();

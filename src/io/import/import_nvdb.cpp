@@ -11,11 +11,13 @@
 #include <zlib.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <fstream>
 #include <sstream>
 #include <string>
 #include <string_view>
+#include <type_traits>
 #include <vector>
 
 #include "io/field/nvdb.h"
@@ -190,13 +192,31 @@ openvdb::GridBase::Ptr emptyGridOf(const NanoGrid& grid) {
   return made;
 }
 
+/// Gives values that are the background but for rounding the background itself. Quantized values are decoded
+/// in single precision, and the background is the largest of most leaves.
+template <class Build>
+void restoreBackground(const nanovdb::NanoGrid<Build>& from, openvdb::FloatGrid& grid) {
+  constexpr float kRounding = 1.0f / 64.0f;  // Steps; each is the range of a leaf divided by at most 65,535.
+  const float background = grid.background();
+  const auto accessor = from.getAccessor();
+  for (auto leaf = grid.tree().beginLeaf(); leaf; ++leaf) {
+    const openvdb::Coord at = leaf->origin();
+    const float most = kRounding * accessor.probeLeaf({at.x(), at.y(), at.z()})->data()->mQuantum;
+    for (openvdb::Index place = 0; place < leaf->SIZE; ++place)
+      if (std::abs(leaf->getValue(place) - background) <= most) leaf->setValueOnly(place, background);
+  }
+}
+
 template <class Build>
 openvdb::GridBase::Ptr convertTo(const NanoGrid& grid) {
   auto& typed = *reinterpret_cast<nanovdb::NanoGrid<Build>*>(&grid.data());
   const std::string wrong = nanovdb::GridValidator<Build>::check(typed);
   if (!wrong.empty()) throwDamaged("its grid '" + grid.name + "': " + wrong);
   placeEmptyNodes(typed);
-  return nanovdb::nanoToOpenVDB(typed);
+  const auto made = nanovdb::nanoToOpenVDB(typed);
+  constexpr bool kIsQuantized = !std::is_same_v<Build, typename nanovdb::BuildToValueMap<Build>::Type>;
+  if constexpr (kIsQuantized) restoreBackground(typed, *made);
+  return made;
 }
 
 openvdb::GridBase::Ptr convert(const NanoGrid& grid) {
