@@ -111,6 +111,7 @@ def _add_dataset(parser: argparse.ArgumentParser) -> None:
     add("--close-holes", action="store_true", help="distances count the surface that is missing in holes")
     add("--thickness", type=float, metavar="T", help="thickness of a wall around the surface, in place of the sign")
     add("--band", type=float, metavar="B", help="clamp distances at so many samples")
+    add("--sparse", action="store_true", help="narrow bands, which grow with the surface, as vdb or nvdb")
     add("--truncation", type=float, metavar="D", help="clamp distances at this length, in place of --band")
     add("--pyramid", type=int, metavar="N", help="number of coarser levels in each .npz, each of half the resolution (0)")
     add("--arrays", nargs="+", choices=["winding", "confidence", "triangle"], help="arrays beside the distance")

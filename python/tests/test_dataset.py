@@ -36,6 +36,51 @@ def test_results_are_those_of_generate(meshes: Path) -> None:
         assert Path(f"out/{name}.png").read_bytes().startswith(b"\x89PNG")
 
 
+@pytest.mark.parametrize(("format", "band"), [("vdb", 2), ("nvdb", (1.5, 4))])
+def test_narrow_bands_are_those_of_generate(meshes: Path, format: str, band: float | tuple[float, float]) -> None:
+    generate(meshes)
+    options = {"resolution": 40, "band": band, "normalize": "cube"}
+    assert generate(meshes, format=format, sparse=True, **options).new == NAMES
+    for name in NAMES:
+        made = raymap.SparseField.load(f"out/{name}.{format}")
+        direct = raymap.generate(meshes / name, sparse=True, **options)
+        for array in "origins", "values", "tile_origins", "tile_sides":
+            np.testing.assert_array_equal(getattr(made, array), getattr(direct, array))
+        marker = json.loads(Path(f"out/{name}.json").read_text())
+        dense = direct.to_dense().distance
+        assert marker["field"] == {
+            "samples": list(direct.shape),
+            "origin": direct.origin.tolist(),
+            "spacing": direct.spacing,
+            "centre": direct.centre.tolist(),
+            "scale": direct.scale,
+            "distance_min": dense.min(),
+            "distance_max": dense.max(),
+            "inside_share": (dense < 0).mean(),
+            "leaves": len(direct.origins),
+            "active_samples": direct.active_count,
+        }
+        assert Path(f"out/{name}.png").read_bytes().startswith(b"\x89PNG")
+        assert not Path(f"out/{name}.npz").exists()
+    assert generate(meshes, format=format, sparse=True, **options).new == []
+
+
+@pytest.mark.parametrize(
+    ("options", "text"),
+    [
+        ({}, "which are written as vdb or nvdb, not as 'npz'"),
+        ({"format": "vdb", "pages": True}, "leave out pages or sparse=True"),
+        ({"format": "vdb", "pyramid": 1}, "pyramid needs files of several grids"),
+        ({"format": "vdb", "close_holes": True}, "which has no close_holes"),
+        ({"what": "points", "n": 9}, "sparse is no option of points"),
+    ],
+)
+def test_narrow_bands_refuse_what_they_cannot_hold(meshes: Path, options: dict, text: str) -> None:
+    with pytest.raises(raymap.UsageError, match=text):
+        raymap.dataset.generate(meshes, "out", sparse=True, **options)
+    assert not Path("out").exists()
+
+
 def test_the_table_holds_figures_of_info_and_of_the_field(meshes: Path) -> None:
     generate(meshes)
     rows = table()

@@ -22,7 +22,7 @@ from .work import FORMATS, Job, Outcome, left, other_results, planned
 __all__ = ["FORMATS", "Format", "Options", "PackFormat", "Packed", "Summary", "What", "generate", "pack"]
 
 What: TypeAlias = Literal["field", "points"]
-Format: TypeAlias = Literal["npz", "npy", "nrrd", "vti", "vdb"]
+Format: TypeAlias = Literal["npz", "npy", "nrrd", "vti", "vdb", "nvdb"]
 
 
 class Summary(NamedTuple):
@@ -86,8 +86,9 @@ def generate(
         what: What is made: ``"field"``, or ``"points"``, as ``raymap.sample_points`` makes them. A .npz of points holds
             ``pos`` and ``neg``, as DeepSDF reads them, with ``centre`` and ``scale``. With ``recipe``, points and files
             are those of ``raymap.recipes.save``.
-        format: Format of fields: ``"npz"``, ``"npy"``, ``"nrrd"``, ``"vti"`` or ``"vdb"``; see ``raymap.Field.save``.
-            OpenVDB's files hold the same numbers, but not the same bytes, whenever they are written.
+        format: Format of fields: ``"npz"``, ``"npy"``, ``"nrrd"``, ``"vti"``, ``"vdb"`` or ``"nvdb"``; see
+            ``raymap.Field.save``. A .vdb of all samples holds the same numbers, but not the same bytes, whenever it is
+            written.
         table: A .parquet to which the table is written as well, with types. Its folder is made if it does not exist.
             It needs pyarrow.
         workers: Number of meshes at a time on this machine; None = as many as processors. With ``client``, that has
@@ -104,7 +105,8 @@ def generate(
             ``memory_limit=4 << 30``, which counts all that its process takes for it. ``bounds`` may be a dict with a
             box for each mesh, by its path below the folder. Fields also take ``pyramid``, the number of coarser levels,
             each of half the resolution, as ``raymap.generate_pyramid`` makes them; a .npz holds all of them, and
-            ``raymap.load_pyramid`` reads it. The ``centre`` and ``scale`` of ``normalize`` are in the
+            ``raymap.load_pyramid`` reads it. With ``sparse=True`` they are narrow bands, as ``"vdb"`` or ``"nvdb"``, which
+            ``raymap.SparseField.load`` reads. The ``centre`` and ``scale`` of ``normalize`` are in the
             table, the markers, and in each .npz.
 
     Raises:

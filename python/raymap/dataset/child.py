@@ -10,6 +10,7 @@ from __future__ import annotations
 import errno
 import faulthandler
 import json
+import math
 import os
 import queue
 import resource
@@ -39,11 +40,13 @@ from .._errors import (
 from .._field import Field, save_as
 from .._frames import Frame, frame_arrays
 from .._generate import generate
+from .._grid_field import GridField
 from .._mesh import Mesh, load_mesh, tetrahedron
 from .._pyramid import coarser_arrays, generate_pyramid
 from .._raymap import write_whole
 from .._repair import info
 from .._samples import sample_points, save_as_npz
+from .._sparse import SparseField, core_of_sparse
 from ..recipes import recipe_of, samples_of
 from .files import readable
 
@@ -164,6 +167,8 @@ def _make(job: dict[str, Any]) -> tuple[dict[str, Any], Callable[[], None]]:
 
 def _make_field(mesh: Mesh, job: dict[str, Any]) -> tuple[Callable[[], None], dict[str, Any]]:
     options = {**job["options"], "threads": job["threads"], "memory_limit": job["memory_limit"]}
+    if options.pop("sparse"):
+        return _make_band(mesh, job, options)
     levels = generate_pyramid(mesh, levels=options.pop("pyramid") + 1, **options)
     field = levels[0]
     picture = _picture(field, job["threads"])
@@ -180,21 +185,48 @@ def _make_field(mesh: Mesh, job: dict[str, Any]) -> tuple[Callable[[], None], di
         if page is not None:
             write_whole(job["page"], page.encode())
 
-    frame = {"centre": field.centre.tolist(), "scale": field.scale} if job["options"]["normalize"] else {}
-    return write, {"field": {**_field_figures(field), **frame}}
+    return write, {"field": {**_field_figures(field, job), **_dense_figures(field)}}
 
 
-def _picture(field: Field, threads: int) -> bytes:
+def _make_band(mesh: Mesh, job: dict[str, Any], options: dict[str, Any]) -> tuple[Callable[[], None], dict[str, Any]]:
+    del options["pyramid"]
+    band = generate(mesh, sparse=True, **options)
+    picture = _picture(band, job["threads"])
+
+    def write() -> None:
+        named = f"{job['result']}.{job['format']}"  # The writer knows formats by their extensions.
+        core_of_sparse(band).save(named)
+        os.replace(named, job["result"])
+        write_whole(job["thumbnail"], picture)
+
+    return write, {"field": {**_field_figures(band, job), **_band_figures(band)}}
+
+
+def _picture(field: GridField, threads: int) -> bytes:
     return _html.png(field.render(**_THUMBNAIL, threads=threads))  # type: ignore[arg-type]
 
 
-def _field_figures(field: Field) -> dict[str, Any]:
+def _field_figures(field: GridField, job: dict[str, Any]) -> dict[str, Any]:
+    frame = {"centre": field.centre.tolist(), "scale": field.scale} if job["options"]["normalize"] else {}
+    return {"samples": list(field.shape), "origin": field.origin.tolist(), "spacing": field.spacing, **frame}
+
+
+def _band_figures(band: SparseField) -> dict[str, Any]:
+    in_tiles = int((band.tile_sides.astype(np.int64) ** 3).sum())  # All of these samples are inside.
+    deepest = -band.inside if in_tiles else np.inf
+    return {
+        "distance_min": float(min(band.values.min(initial=np.inf), deepest)),
+        "distance_max": float(band.values.max(initial=-np.inf)),
+        "inside_share": (np.count_nonzero(band.values < 0) + in_tiles) / math.prod(band.shape),
+        "leaves": len(band.origins),
+        "active_samples": band.active_count,
+    }
+
+
+def _dense_figures(field: Field) -> dict[str, Any]:
     costs = ("stages", "milliseconds", "bytes")  # They differ between runs.
     found = {name: value for name, value in field.stats.items() if name not in costs}
     return {
-        "samples": list(field.shape),
-        "origin": field.origin.tolist(),
-        "spacing": field.spacing,
         "distance_min": float(field.distance.min()),
         "distance_max": float(field.distance.max()),
         "inside_share": float(np.count_nonzero(field.distance < 0) / field.distance.size),

@@ -21,7 +21,7 @@ from .._mesh import tetrahedron
 from .._samples import Region, sample_points, to_count, to_mixture, to_seed
 from ..recipes import RecipeName, recipe_of
 from .storage import RemoteFolder, is_url
-from .work import FORMATS, Job
+from .work import BAND_FORMATS, FORMATS, Job
 
 PathLike: TypeAlias = str | os.PathLike[str]
 
@@ -29,7 +29,7 @@ PathLike: TypeAlias = str | os.PathLike[str]
 class Options(FieldOptions, total=False):
     """Keyword arguments of ``raymap.generate``, ``raymap.sample_points`` and ``raymap.recipes.save``, which document them.
 
-    ``raymap.dataset.generate`` documents ``pyramid``.
+    ``raymap.dataset.generate`` documents ``pyramid`` and ``sparse``.
     """
 
     n: int
@@ -40,6 +40,7 @@ class Options(FieldOptions, total=False):
     seed: int
     recipe: RecipeName | None
     pyramid: int
+    sparse: bool
 
 
 def make_jobs(
@@ -69,7 +70,7 @@ def make_jobs(
         raise UsageError(f"memory_limit must be above 0 bytes, not {memory_limit}")
     meshes = _meshes(given, out)
     boxes = _boxes(options, meshes)
-    result_options = _field_options(options, format) if what == "field" else _point_options(options)
+    result_options = _field_options(options, format, pages) if what == "field" else _point_options(options)
     if recipe := result_options.get("recipe"):
         format = recipe_of(recipe).format
     return [
@@ -145,15 +146,21 @@ def _meshes_below(folder: Path, out: Path) -> dict[str, str]:
 
 _APART = {"threads", "memory_limit", "progress"}  # Results do not depend on them.
 _REALS = {"voxel_size", "padding", "threshold", "thickness", "band", "truncation", "near", "surface"}
-_NOT_HERE = {"sparse"}  # No format of data sets is one of narrow bands.
 
 
-def _field_options(options: Options, format: str) -> dict[str, Any]:
+def _field_options(options: Options, format: str, pages: bool) -> dict[str, Any]:
     """Returns all options on which fields depend, the defaults included, in JSON's types. Checks them."""
-    others = {name: value for name, value in options.items() if name != "pyramid"}
+    others = {name: value for name, value in options.items() if name not in ("pyramid", "sparse")}
     given: FieldOptions = {"device": "cpu", **others}  # type: ignore[typeddict-item]
     result = _with_defaults(given, generate, "fields")
-    _check(given)
+    result["sparse"] = bool(options.get("sparse", False))
+    if result["sparse"] and format not in BAND_FORMATS:
+        raise UsageError(f"sparse=True makes narrow bands, which are written as {' or '.join(BAND_FORMATS)}, not as {format!r}")
+    if result["sparse"] and pages:
+        raise UsageError("pages show fields of all samples; leave out pages or sparse=True")
+    _check(given, result["sparse"])
+    if isinstance(result["band"], tuple):
+        result["band"] = list(result["band"])
     arrays = result["arrays"]
     result["arrays"] = sorted({"distance", *([arrays] if isinstance(arrays, str) else arrays)})
     if result["bounds"] is not None:
@@ -186,7 +193,7 @@ def _point_options(options: Options) -> dict[str, Any]:
 
 def _with_defaults(options: Mapping[str, object], function: Callable[..., Any], what: str) -> dict[str, Any]:
     """Returns the keyword arguments of a function on which its result depends."""
-    parameters = {k: p for k, p in inspect.signature(function).parameters.items() if k not in _NOT_HERE}
+    parameters = inspect.signature(function).parameters
     known = {k: p for k, p in parameters.items() if p.kind is p.KEYWORD_ONLY or k in ("n", "recipe")}
     for name in sorted(options.keys() - known.keys() - _APART):
         if name in Options.__annotations__:
@@ -202,10 +209,10 @@ def _plain(value: Any, is_real: bool) -> Any:
     return float(plain) if is_real and isinstance(plain, int) else plain
 
 
-def _check(options: FieldOptions) -> None:
+def _check(options: FieldOptions, sparse: bool) -> None:
     """Raises errors that no mesh can change, such as an unknown option: begins a field of a tetrahedron."""
     mesh = tetrahedron(10 * (options.get("voxel_size") or 1))
     # The device may be one that only the workers have.
     with suppress(Cancelled, MemoryLimitError):
         checked: FieldOptions = {**options, "device": "cpu", "progress": lambda stage, done: False}
-        generate(mesh, **checked)
+        generate(mesh, sparse=sparse, **checked)  # type: ignore[call-overload]

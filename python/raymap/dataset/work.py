@@ -21,7 +21,10 @@ from .storage import MeshUnreadable, mesh_here, unreadable
 State: TypeAlias = Literal["done", "quarantined", "unfinished"]
 
 #: Formats of fields. The files are the same, bit for bit, whenever they are written, but for OpenVDB's.
-FORMATS = ("npz", "npy", "nrrd", "vti", "vdb")
+FORMATS = ("npz", "npy", "nrrd", "vti", "vdb", "nvdb")
+
+#: Those of narrow bands.
+BAND_FORMATS = ("vdb", "nvdb")
 
 #: Endings of all results, those of points included.
 _ENDINGS = tuple(f".{format}" for format in (*FORMATS, "xyz"))
