@@ -10,7 +10,7 @@ install() { # the list of packages, unless it is installed already
   if cmp -s "python/tests/$1" "$env/$1"; then return; fi
   echo "Installing the packages of python/tests/$1" >&2
   # pysdf is built here, and looks for Eigen among the system headers.
-  CPLUS_INCLUDE_PATH=/usr/include/eigen3 "$env/bin/python" -m pip install --quiet --disable-pip-version-check -r "python/tests/$1" >&2
+  CPLUS_INCLUDE_PATH=/usr/include/eigen3 "$env/bin/python" -m pip install --quiet --no-compile --disable-pip-version-check -r "python/tests/$1" >&2
   cp "python/tests/$1" "$env/$1"
 }
 

@@ -55,7 +55,7 @@ def name(build):
 
     def placed(match):
         line = int(match[2])
-        for source, lines in origins[match[1]]:
+        for source, lines in origins.get(match[1], ()):
             if line <= lines:
                 return f"{source}:{line}"
             line -= lines
