@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Builds the core and its tests alone, shows that they use no library but glm, oneTBB and Highway (and GoogleTest for the
-# tests), and runs the tests.
+# tests), and runs those of fields, queries and repair. scripts/test.sh runs all of them.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 build=build/core
@@ -30,5 +30,5 @@ linked=$(xargs -d '\n' readelf -d <<<"$programs" | sed -n 's/.*(NEEDED).*\[\(.*\
 others=$(grep -vE '^(libtbb|libhwy|libhwy_contrib|libgtest|libgtest_main|libstdc\+\+|libm|libgcc_s|libc|ld-linux.*)\.so' <<<"$linked") || true
 if [[ -n $others ]]; then fail "The tests of the core link other libraries" "$others"; fi
 
-ctest --preset core
+ctest --preset core -R '^(Generator|Surface|Keep)\.'
 echo "The core needs nothing but:" $(grep -E 'glm|tbb|hwy' <<<"$owners")
