@@ -76,8 +76,6 @@ TEST_F(CliGenerate, MakesANarrowBandOfManySamples) {
       << huge.out;
 }
 
-// A field that does not fit into the memory allowed is written in slabs, and a run that failed is gone on
-// with.
 TEST_F(CliGenerate, StoresNumbersIn16Bits) {
   const std::vector<std::string> extensions = fieldExtensions();
   if (std::ranges::find(extensions, ".nvdb") == extensions.end()) GTEST_SKIP();
@@ -93,6 +91,8 @@ TEST_F(CliGenerate, StoresNumbersIn16Bits) {
   expectFailure(generate + "half.nrrd --half", ErrorCode::Usage, "--half is for a .vdb or .nvdb");
 }
 
+// A field that does not fit into the memory allowed is written in slabs, and a run that failed is gone on
+// with.
 TEST_F(CliGenerate, WritesSlabsOfWhatDoesNotFit) {
   const Mesh mesh = shapes::sphere(1.0, 3);
   writeMesh(path("ball.ply"), mesh);

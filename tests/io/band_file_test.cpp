@@ -129,7 +129,7 @@ TEST_P(BandFiles, HoldsHalfFloats) {
   const SparseField band = scene_.surface.generateBand(scene_.grid, {.triangle = true});
   writeBand(whole, band);
   writeBand(half, band, {.half = true});
-  EXPECT_LT(fs::file_size(half), 0.85 * double(fs::file_size(whole)));
+  EXPECT_LT(fs::file_size(half), (GetParam() == ".vdb" ? 0.8 : 0.85) * double(fs::file_size(whole)));
   const Field exact = readField(whole), rounded = readField(half);
   EXPECT_EQ(rounded.clampDistance, exact.clampDistance);
   EXPECT_TRUE(std::ranges::equal(rounded.triangle, exact.triangle));
