@@ -95,6 +95,7 @@ std::pair<SurfaceTree, WindingDipoles> Backend::takeTree() {
     windingDipoles_.clear();
   }
   hasSurfaceTree_ = false;
+  surfaceTree_.releaseScratch();
   return {std::move(surfaceTree_), std::move(windingDipoles_)};
 }
 

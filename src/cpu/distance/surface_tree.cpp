@@ -245,9 +245,12 @@ void SurfaceTree::buildLeaves(const CellMesh& mesh, const PlaceLattice& lattice)
       for (auto leaf = static_cast<uint32_t>(run * kRunLeaves); leaf < (run + 1) * kRunLeaves; ++leaf) {
         DiscPacket& discs = discs_[leaf / kPacket];
         if (leaf < leafCount()) {
+          const uint64_t* ofLeaf = keys_.data() + size_t{leaf} * kPacket;
           CornerPacket corners;
-          readCorners(mesh, keys_.data() + size_t{leaf} * kPacket, corners);
+          readCorners(mesh, ofLeaf, corners);
           writeLeaf(corners, triangles_[leaf], leaf % kPacket, discs);
+          for (uint32_t lane = 0; lane < kPacket; ++lane)
+            triangles_[leaf].id[lane] = static_cast<uint32_t>(ofLeaf[lane]);
         } else if (leaf / kPacket * kPacket < leafCount()) {
           writeDisc(kNowhere, discs, leaf % kPacket);
         }

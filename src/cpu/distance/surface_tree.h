@@ -21,6 +21,7 @@ struct alignas(64) TrianglePacket {
   float zx[kPacket], zy[kPacket], zz[kPacket];  ///< Axis z, the normal.
   float bx[kPacket], cx[kPacket], cy[kPacket];
   float inverseBc2[kPacket], inverseCa2[kPacket];  ///< 1 / |c - b|^2 and 1 / |a - c|^2; 0 for length 0.
+  uint32_t id[kPacket];                            ///< Index in the mesh.
 };
 
 /// Eight discs with thickness. Far samples see a surface in them, which they would not in balls.
@@ -54,7 +55,7 @@ class SurfaceTree {
   const TrianglePacket& triangles(uint32_t packet) const { return triangles_[packet]; }
   float radius(uint32_t node) const { return discs_[node / kPacket].radius[node % kPacket]; }
   /// Returns the index in the mesh of the tree's triangle `t`; each leaf has eight.
-  uint32_t triangleId(uint32_t t) const { return static_cast<uint32_t>(keys_[t]); }
+  uint32_t triangleId(uint32_t t) const { return triangles_[t / kPacket].id[t % kPacket]; }
 
   uint32_t triangleCount() const { return triangleCount_; }
   std::span<const Level> levels() const { return levels_; }
@@ -71,8 +72,10 @@ class SurfaceTree {
   }
   /// Returns the level of a node; that of the leaves is 0.
   uint32_t levelOf(uint32_t node) const;
+  /// Frees what only builds need.
+  void releaseScratch() { keys_.release(); }
   size_t bytes() const;
-  /// Returns the bytes of a tree over so many triangles.
+  /// Returns the bytes that the build of a tree over so many triangles takes.
   static size_t bytesNeeded(size_t triangles);
 
  private:
@@ -83,7 +86,7 @@ class SurfaceTree {
   void buildLeaves(const CellMesh& mesh, const PlaceLattice& lattice);
   void buildLevel(uint32_t level);
 
-  Buffer<uint64_t> keys_;  // The triangle in the lower half; numbers to sort by above it.
+  Buffer<uint64_t> keys_;  // Of a build: the triangle in the lower half; numbers to sort by above it.
   Buffer<TrianglePacket> triangles_;
   Buffer<DiscPacket> discs_;
   std::vector<Level> levels_;

@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <iterator>
 
@@ -39,15 +40,15 @@ class JoinedPoints {
     std::fill_n(distances_.begin(), count_, -INFINITY);
     for (size_t k = begin; k < end; ++k) distances_[blocks.places[k]] = blocks.distances[k];
     const double needed = blocks.spacing + overlap;
-    size_t p = 0;
-    for (int z = 0; z < side_; ++z)
-      for (int y = 0; y < side_; ++y)
-        for (int x = 0; x < side_; ++x, ++p) {
-          roots_[p] = uint16_t(p);
-          if (x > 0) joinTo(p, p - 1, needed);
-          if (y > 0) joinTo(p, p - size_t(side_), needed);
-          if (z > 0) joinTo(p, p - size_t(side_) * size_t(side_), needed);
-        }
+    const auto side = size_t(side_);
+    for (size_t row = 0; row < side * side; ++row) {
+      const size_t p = row * side;
+      const uint32_t along = overlapping(p + 1, p, side - 1, needed) << 1;
+      for (size_t x = 0; x < side; ++x) roots_[p + x] = along >> x & 1 ? roots_[p + x - 1] : uint16_t(p + x);
+      along_[row] = along;
+      if (row % side > 0) joinRows(row, row - 1, needed);
+      if (row >= side) joinRows(row, row - side, needed);
+    }
     std::fill_n(chosen_.begin(), count_, kNone);
     for (size_t k = begin; k < end; ++k) {
       uint32_t& first = chosen_[rootOf(blocks.places[k])];
@@ -64,16 +65,30 @@ class JoinedPoints {
     return uint16_t(p);
   }
 
-  void joinTo(size_t p, size_t q, double needed) {
-    if (distances_[p] + distances_[q] <= needed) return;
-    const uint16_t a = rootOf(p), b = rootOf(q);
-    roots_[std::max(a, b)] = std::min(a, b);
+  /// Returns which of `count` balls from p on overlap those from q on.
+  uint32_t overlapping(size_t p, size_t q, size_t count, double needed) const {
+    uint32_t bits = 0;
+    for (size_t x = 0; x < count; ++x) bits |= uint32_t(distances_[p + x] + distances_[q + x] > needed) << x;
+    return bits;
+  }
+
+  /// Joins the points of two rows, once for each run that is joined in both.
+  void joinRows(size_t row, size_t before, double needed) {
+    const auto side = size_t(side_);
+    const uint32_t across = overlapping(row * side, before * side, side, needed);
+    for (uint32_t rest = across & ~(across << 1 & along_[row] & along_[before]); rest; rest &= rest - 1) {
+      const auto x = size_t(std::countr_zero(rest));
+      const uint16_t a = rootOf(row * side + x), b = rootOf(before * side + x);
+      roots_[std::max(a, b)] = std::min(a, b);
+    }
   }
 
   int side_;
   size_t count_;
   std::array<double, kMostPlaces> distances_;
   std::array<uint16_t, kMostPlaces> roots_;
+  /// Bit x of each row: whether its ball x overlaps ball x - 1.
+  std::array<uint32_t, size_t(BlockPoints::kMostSide) * BlockPoints::kMostSide> along_;
   std::array<uint32_t, kMostPlaces> chosen_;
 };
 

@@ -44,15 +44,33 @@ void LatticeQuery::list() {
   places_.resizeUninitialized(begins_.back());
   codes_.resizeUninitialized(begins_.back());
   parallelFor(cubes_.size(), kCubesPerTask, [&](size_t begin, size_t end) {
-    for (size_t k = begin; k < end; ++k)
+    for (size_t k = begin; k < end; ++k) {
+      const std::array<std::array<OnAxis, kSide>, 3> axes = axesOf(cubes_[k].low);
       visit(k, [&](const glm::ivec3& sample, size_t point) {
-        const glm::ivec3 place = sample % kSignSide;
-        const glm::uvec3 code(sample % kDistanceSide);
-        points_[point] = lattice_.position(glm::dvec3(sample));
-        places_[point] = uint16_t((place.z * kSignSide + place.y) * kSignSide + place.x);
-        codes_[point] = uint16_t(mortonCode(code.x, code.y, code.z));
+        const glm::ivec3 s = sample - cubes_[k].low;
+        const OnAxis &x = axes[0][size_t(s.x)], &y = axes[1][size_t(s.y)], &z = axes[2][size_t(s.z)];
+        points_[point] = {x.position, y.position, z.position};
+        places_[point] = uint16_t(x.place + y.place + z.place);
+        codes_[point] = uint16_t(x.code + y.code + z.code);
       });
+    }
   });
+}
+
+/// Returns what each coordinate of a cube's samples adds.
+std::array<std::array<LatticeQuery::OnAxis, LatticeQuery::kSide>, 3> LatticeQuery::axesOf(
+    const glm::ivec3& low) const {
+  std::array<std::array<OnAxis, kSide>, 3> axes;
+  for (int i = 0; i < kSide; ++i) {
+    const glm::dvec3 position = lattice_.position(glm::dvec3(low + i));
+    for (int axis = 0, step = 1; axis < 3; ++axis, step *= kSignSide) {
+      glm::uvec3 code(0);
+      code[axis] = uint32_t(low[axis] + i) % kDistanceSide;
+      axes[size_t(axis)][size_t(i)] = {position[axis], step * ((low[axis] + i) % kSignSide),
+                                       int(mortonCode(code.x, code.y, code.z))};
+    }
+  }
+  return axes;
 }
 
 /// Returns the cubes with this side that hold those of the query.

@@ -3,6 +3,7 @@
 #include <raymap/region.h>
 #include <raymap/sparse_field.h>
 
+#include <array>
 #include <span>
 #include <vector>
 
@@ -73,16 +74,26 @@ class LatticeQuery {
 
   template <class Visit>
   void forEachSample(const AskedCube& cube, Visit&& visit) const {
+    const auto isIn = [&](const glm::ivec3& sample) {
+      return glm::all(glm::greaterThanEqual(sample, low_)) && glm::all(glm::lessThan(sample, high_));
+    };
+    const bool isWhole = isIn(cube.low) && isIn(cube.low + (kSide - 1));
     for (int part = 0; part < 8; ++part)
       if (cube.parts >> part & 1)
         forEachOfPart(cube.low, part, [&](const glm::ivec3& sample) {
-          if (glm::all(glm::greaterThanEqual(sample, low_)) && glm::all(glm::lessThan(sample, high_)))
-            visit(sample);
+          if (isWhole || isIn(sample)) visit(sample);
         });
   }
 
+  /// What a coordinate of a sample adds to its position, its place and its code.
+  struct OnAxis {
+    double position;
+    int place, code;
+  };
+
   size_t countOf(const AskedCube& cube) const;
   void list();
+  std::array<std::array<OnAxis, kSide>, 3> axesOf(const glm::ivec3& low) const;
   Groups groupsOf(int side) const;
   void measure();
   void sign();

@@ -175,15 +175,19 @@ class BandMaker {
   void fillKnown(size_t leaf) {
     const LeafParts& parts = parts_[leaf];
     band_.leaves[leaf] = parts.low;
+    const auto fill = [&](auto& array, auto value) {
+      if (!array.empty())
+        std::fill_n(array.data() + leaf * SparseField::kLeafSamples, SparseField::kLeafSamples, value);
+    };
+    fill(band_.distance, float(band_.outside));
+    fill(band_.triangle, kNoTriangle);
+    fill(band_.winding, 0.0f);
+    fill(band_.confidence, 0.0f);
     for (int part = 0; part < 8; ++part)
-      LatticeQuery::forEachOfPart(parts.low, part, [&](const glm::ivec3& sample) {
-        const bool isInside = parts.sides[size_t(part)] == Side::Inside && isOnLattice(sample);
-        const size_t place = placeOf(leaf, sample);
-        band_.distance[place] = isInside ? -float(band_.inside) : float(band_.outside);
-        if (options_.triangle) band_.triangle[place] = kNoTriangle;
-        if (options_.winding) band_.winding[place] = 0.0f;
-        if (options_.confidence) band_.confidence[place] = 0.0f;
-      });
+      if (parts.sides[size_t(part)] == Side::Inside)
+        LatticeQuery::forEachOfPart(parts.low, part, [&](const glm::ivec3& sample) {
+          if (isOnLattice(sample)) band_.distance[placeOf(leaf, sample)] = -float(band_.inside);
+        });
   }
 
   /// Stores what was found at a point.

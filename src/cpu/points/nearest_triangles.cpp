@@ -25,6 +25,8 @@ namespace {
 
 /// Most points that a block is not halved for.
 constexpr size_t kFewPoints = 128;
+/// Such a block has so many groups of points that are measured together.
+constexpr size_t kMostGroups = kFewPoints / kLanes;
 
 /// Returns the largest radius of an unopened node in the list of a block with this half side, in cells. These
 /// values measured best from sparse points to dense ones at the surface.
@@ -77,6 +79,14 @@ class PointBlocks {
     float reach;  // half a half's side
     Range ranges[kLanes];
     uint32_t active = 0;
+  };
+
+  /// Points in lanes, and the closest triangle to each.
+  struct Found {
+    Lanes x, y, z, squared;
+    alignas(64) uint32_t closest[kLanes];
+
+    void place(size_t lane, const glm::vec3& p) { x.v[lane] = p.x, y.v[lane] = p.y, z.v[lane] = p.z; }
   };
 
   void refine(const Range& range, const Candidates& candidates, size_t depth) {
@@ -214,30 +224,63 @@ class PointBlocks {
   }
 
   void measurePoints(const Range& range, const Candidates& candidates) {
-    for (size_t begin = range.begin; begin < range.end; begin += kLanes)
-      measureLanes(begin, std::min(kLanes, range.end - begin), candidates);
+    const uint32_t near = groupsInReach(range, candidates);
+    for (size_t begin = range.begin, group = 0; begin < range.end; begin += kLanes, ++group) {
+      const size_t count = std::min(kLanes, range.end - begin);
+      if (group >= kMostGroups || near >> group & 1)
+        measureLanes(begin, count, candidates);
+      else
+        std::fill_n(nearest_.begin() + ptrdiff_t(begin), count, NearestTriangle{INFINITY, kNoTriangle});
+    }
   }
 
-  HWY_NOINLINE void measureLanes(size_t begin, size_t count, const Candidates& candidates) {
-    Lanes x, y, z, squared;
-    alignas(64) uint32_t closest[kLanes];
-    for (size_t lane = 0; lane < kLanes; ++lane) {
-      const glm::vec3& p = sorted_.points[begin + std::min(lane, count - 1)];
-      x.v[lane] = p.x, y.v[lane] = p.y, z.v[lane] = p.z;
+  /// Returns which groups of points may be near enough. The centre of each tells.
+  uint32_t groupsInReach(const Range& range, const Candidates& candidates) {
+    if (!std::isfinite(most_) || range.count() < kFewPoints / 2 || range.count() > kFewPoints) return ~0u;
+    uint32_t near = 0;
+    for (size_t first = 0; first * kLanes < range.count(); first += kLanes) {
+      Found centres;
+      float radii[kLanes] = {};
+      for (size_t lane = 0; lane < kLanes; ++lane) {
+        const size_t begin = std::min(range.begin + (first + lane) * kLanes, range.end - 1),
+                     end = std::min(begin + kLanes, range.end);
+        glm::vec3 low = sorted_.points[begin], high = low;
+        for (size_t k = begin + 1; k < end; ++k) {
+          low = glm::min(low, sorted_.points[k]);
+          high = glm::max(high, sorted_.points[k]);
+        }
+        centres.place(lane, 0.5f * (low + high));
+        radii[lane] = 0.5f * glm::distance(low, high);
+      }
+      find(candidates, (1u << kLanes) - 1, centres);
+      for (size_t lane = 0; lane < kLanes; ++lane)
+        if (std::sqrt(centres.squared.v[lane]) - radii[lane] - slack_ <= most_) near |= 1u << (first + lane);
     }
+    return near;
+  }
+
+  void measureLanes(size_t begin, size_t count, const Candidates& candidates) {
+    Found found;
+    for (size_t lane = 0; lane < kLanes; ++lane)
+      found.place(lane, sorted_.points[begin + std::min(lane, count - 1)]);
+    find(candidates, (1u << count) - 1, found);
+    for (size_t lane = 0; lane < count; ++lane)
+      nearest_[begin + lane] = {found.squared.v[lane], found.closest[lane]};
+  }
+
+  HWY_NOINLINE void find(const Candidates& candidates, uint32_t lanes, Found& found) {
+    const Lanes &x = found.x, &y = found.y, &z = found.z;
     for (size_t i = 0; i < kLanes; i += hn::Lanes(Tag())) {
       const auto distance = [&](uint32_t t) {
         return squaredDistance(triangleOf(tree_, t), x.load(i), y.load(i), z.load(i));
       };
       Nearest nearest(candidates.closest, distance(candidates.closest));
       for (const uint32_t t : candidates.triangles) nearest.takeLowest(t, distance(t));
-      nearest.store(i, squared, closest);
+      nearest.store(i, found.squared, found.closest);
     }
-    const uint32_t lanes = (1u << count) - 1;
-    search_.search(candidates.nodes, {lanes, x, y, z, squared, closest}, [&](size_t k, size_t i) {
+    search_.search(candidates.nodes, {lanes, x, y, z, found.squared, found.closest}, [&](size_t k, size_t i) {
       return squaredDistance(discOf(tree_, candidates.nodes[k]), x.load(i), y.load(i), z.load(i));
     });
-    for (size_t lane = 0; lane < count; ++lane) nearest_[begin + lane] = {squared.v[lane], closest[lane]};
   }
 
   const SurfaceTree& tree_;

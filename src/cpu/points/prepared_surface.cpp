@@ -55,6 +55,7 @@ void turnFaces(PreparedSurface& surface) {
   CellMesh cells;
   toCellUnits(surface.turnedMesh(), surface.grid, cells);
   surface.turnedTree.emplace().build(cells);
+  surface.turnedTree->releaseScratch();
 }
 
 /// Finds the rims of the faces as the sign takes them, and prepares what tells how they change winding
@@ -128,6 +129,7 @@ PreparedSurface prepareUnsigned(const PackedMesh& mesh, const Grid& grid) {
   CellMesh cells;
   toCellUnits(mesh, grid, cells);
   surface.tree.buildSingleSided(cells, mesh.vertices);
+  surface.tree.releaseScratch();
   return surface;
 }
 
