@@ -65,6 +65,19 @@ def test_narrow_bands_are_those_of_generate(meshes: Path, format: str, band: flo
     assert generate(meshes, format=format, sparse=True, **options).new == []
 
 
+def test_markers_know_no_infinity(meshes: Path) -> None:
+    (meshes / "broken.ply").write_text("no mesh")
+    options = {"format": "vdb", "sparse": True, "band": (np.inf, 2), "time_limit": np.inf}
+    assert generate(meshes, **options).quarantined == ["broken.ply"]
+    markers = {name: json.loads(Path(f"out/{name}.json").read_text(), parse_constant=pytest.fail)
+               for name in [*NAMES, "broken.ply"]}  # fmt: skip
+    assert markers[NAMES[0]]["options"]["band"] == [None, 2]
+    assert markers["broken.ply"]["limits"]["time_limit"] is None
+    before = identities("out")
+    assert generate(meshes, **options).new == []
+    assert identities("out") == before
+
+
 @pytest.mark.parametrize(
     ("options", "text"),
     [

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import math
 import os
 import shutil
 from collections.abc import Iterable
@@ -198,7 +199,7 @@ def _finished(job: Job, key: str) -> State | None:
     if marker["state"] == "done":
         is_whole = job.thumbnail.exists() and (job.page.exists() or not job.pages)
         return "done" if _size(job.result) == marker["bytes"] and is_whole else None
-    is_kept = not job.retry and marker["limits"] == job.limits and (job.quarantine / "reason.txt").exists()
+    is_kept = not job.retry and marker["limits"] == _strict(job.limits) and (job.quarantine / "reason.txt").exists()
     return "quarantined" if is_kept else None
 
 
@@ -262,7 +263,17 @@ def _take_marker(job: Job) -> Path | None:
 
 
 def _write_marker(job: Job, marker: dict[str, Any]) -> None:
-    write_whole(job.marker, f"{json.dumps(marker, indent=1, sort_keys=True)}\n".encode())
+    text = json.dumps(_strict(marker), indent=1, sort_keys=True, allow_nan=False)
+    write_whole(job.marker, f"{text}\n".encode())
+
+
+def _strict(value: Any) -> Any:
+    """Returns a value without infinite numbers, which JSON does not know: null stands for no limit."""
+    if isinstance(value, dict):
+        return {name: _strict(item) for name, item in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [_strict(item) for item in value]
+    return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
 def other_results(jobs: Iterable[Job], outcomes: Iterable[Outcome], out: Path, what: str) -> list[str]:
