@@ -111,7 +111,9 @@ class SideChooser {
     if (surface_.patchCount() > 1) {
       const State start = best;
       takeIfBetter(improve(first.turns), start, best);
-      if (best.misfit > 0.0 && !isFromParity_) takeIfBetter(improve(startFromParity()), start, best);
+      if (best.misfit > 0.0 && !isFromParity_)
+        if (const Turns parity = startFromParity(); parity != first.turns)
+          takeIfBetter(improve(parity), start, best);
       keepGivenParts(best);
     }
     return best;
