@@ -2,6 +2,7 @@
 
 #include <cstdio>
 #include <iostream>
+#include <variant>
 
 #include "checks.h"
 #include "commands.h"
@@ -54,7 +55,8 @@ void print(const Comparison& found, FieldArray array) {
     std::printf("not finite        %s, left out of all the above\n", grouped(found.nonFinite).c_str());
 }
 
-FieldArray chooseCommon(const CompareArguments& arguments, Field& a, Field& b) {
+template <class Each>
+FieldArray chooseCommon(const CompareArguments& arguments, Each& a, Each& b) {
   const FieldArray ofA = chooseArray(arguments.a, arguments.as, a);
   const FieldArray ofB = chooseArray(arguments.b, arguments.as, b);
   if (ofA != ofB)
@@ -65,13 +67,20 @@ FieldArray chooseCommon(const CompareArguments& arguments, Field& a, Field& b) {
   return ofA;
 }
 
-void run(CompareArguments& arguments) {
-  const std::vector<Output> outputs{{"--output", arguments.picture, {".png"}}};
-  prepareFiles(arguments.format, {{arguments.a, fieldExtensions()}, {arguments.b, fieldExtensions()}},
-               outputs);
-  if (!arguments.mayOverwrite) checkInputs(outputs, {arguments.a, arguments.b});
-  Field a = loadFieldOnly(arguments.a, arguments.format.input, arguments.format.grid),
-        b = loadFieldOnly(arguments.b, arguments.format.input, arguments.format.grid);
+using AnyField = std::variant<Field, SparseField>;
+
+AnyField load(const fs::path& path, const CompareArguments& arguments) {
+  return loadAnyField(path, arguments.format.input, arguments.format.grid);
+}
+
+Field dense(AnyField field) {
+  if (const SparseField* band = std::get_if<SparseField>(&field)) return toDense(*band);
+  return std::get<Field>(std::move(field));
+}
+
+/// Compares two dense fields, or two narrow bands.
+template <class Each>
+void compare(const CompareArguments& arguments, Each& a, Each& b) {
   const FieldArray array = chooseCommon(arguments, a, b);
   const Comparison found = compareFields(a, b, array);
   constexpr int kWidth = 1024;
@@ -84,6 +93,19 @@ void run(CompareArguments& arguments) {
   }
   print(found, array);
   if (!arguments.picture.empty()) printWritten(arguments.picture);
+}
+
+void run(CompareArguments& arguments) {
+  const std::vector<Output> outputs{{"--output", arguments.picture, {".png"}}};
+  prepareFiles(arguments.format, {{arguments.a, fieldExtensions()}, {arguments.b, fieldExtensions()}},
+               outputs);
+  if (!arguments.mayOverwrite) checkInputs(outputs, {arguments.a, arguments.b});
+  auto a = load(arguments.a, arguments), b = load(arguments.b, arguments);
+  if (a.index() != b.index()) a = dense(std::move(a)), b = dense(std::move(b));
+  if (Field* first = std::get_if<Field>(&a))
+    compare(arguments, *first, std::get<Field>(b));
+  else
+    compare(arguments, std::get<SparseField>(a), std::get<SparseField>(b));
 }
 
 }  // namespace

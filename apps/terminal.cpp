@@ -346,9 +346,11 @@ Mesh loadMesh(const std::filesystem::path& path, const std::string& format, bool
   failKind(path, "a field, and a mesh", "mesh", ".ply");
 }
 
-Field loadFieldOnly(const std::filesystem::path& path, const std::string& format, const std::string& grid) {
-  std::variant<Mesh, Field> read = loadMeshOrField(path, format, grid);
+std::variant<Field, SparseField> loadAnyField(const std::filesystem::path& path, const std::string& format,
+                                              const std::string& grid) {
+  auto read = loadMeshFieldOrBand(path, format, grid);
   if (Field* field = std::get_if<Field>(&read)) return std::move(*field);
+  if (SparseField* band = std::get_if<SparseField>(&read)) return std::move(*band);
   failKind(path, "a mesh, and a field", "generate", ".npz");
 }
 

@@ -169,8 +169,8 @@ std::variant<Mesh, Field, SparseField> loadMeshFieldOrBand(const std::filesystem
                                                            const std::string& grid = "");
 // Read one of both. Throw `Error(Usage)` that names the command which converts the other one.
 Mesh loadMesh(const std::filesystem::path& path, const std::string& format = "", bool allowEmpty = false);
-Field loadFieldOnly(const std::filesystem::path& path, const std::string& format = "",
-                    const std::string& grid = "");
+std::variant<Field, SparseField> loadAnyField(const std::filesystem::path& path, const std::string& format,
+                                              const std::string& grid);
 /// Reads a level set of any size as a narrow band; see `readBand`.
 SparseField loadBand(const std::filesystem::path& path, const std::string& format, const std::string& grid);
 

@@ -88,6 +88,10 @@ struct Comparison {
 /// Compares an array of two fields. If either is clamped to a band, compares distances within the narrower
 /// one. Throws `Error(Usage)` if the grids differ by more than rounding, or a field lacks the array.
 RAYMAP_API Comparison compareFields(const Field& a, const Field& b, FieldArray array = FieldArray::Distance);
+/// Compares an array of two narrow bands as the fields that `toDense` makes of them, without their memory.
+/// Numbers other than distances are known in leaves alone: other samples count as not finite.
+RAYMAP_API Comparison compareFields(const SparseField& a, const SparseField& b,
+                                    FieldArray array = FieldArray::Distance);
 
 /// Draws the slice with the most sign differences, across any axis, one square per sample, laid out as by
 /// `renderSlice` (Krayer & Müller 2019, Fig. 11).
@@ -101,6 +105,9 @@ RAYMAP_API Comparison compareFields(const Field& a, const Field& b, FieldArray a
 /// those of |w| = 0.5; confidences have none. Of triangles, the slice with the most differences is drawn:
 /// light grey where they agree, red where they differ.
 RAYMAP_API Picture renderComparison(const Field& a, const Field& b, int width = 1024,
+                                    FieldArray array = FieldArray::Distance);
+/// Draws the same of two narrow bands.
+RAYMAP_API Picture renderComparison(const SparseField& a, const SparseField& b, int width = 1024,
                                     FieldArray array = FieldArray::Distance);
 
 /// Writes a picture as PNG. The file appears whole or not at all. Throws `Error`: Usage if the picture is

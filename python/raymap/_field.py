@@ -19,7 +19,7 @@ from ._grid_field import GridField
 from ._mesh import core_of
 from ._pictures import ViewOptions, to_view
 from ._progress import Progress, reporting
-from ._records import Comparison, FieldArray, Stats
+from ._records import FieldArray, Stats
 from ._whole_file import save_with_arrays
 
 #: Value of ``Field.triangle`` where the distance is clamped, and where surface that closes a hole is closer.
@@ -271,47 +271,6 @@ class Field(GridField):
         with reporting(progress) as report:
             machine = to_machine(device, threads)
             return _raymap.make_page(self._core, look, page, chosen, faulty, core, machine, report)
-
-    def compare(self, other: Field, array: FieldArray = "distance") -> Comparison:
-        """Returns where an array of this field differs from that of another field on the same grid.
-
-        Errors of distances are in samples (distance over spacing), those of winding numbers and confidences as they
-        are, those of triangles 0. If either field is clamped to a band, distances are compared within the narrower one.
-
-        Args:
-            other: Field on the same grid.
-            array: Array to compare.
-
-        Raises:
-            UsageError: The grids differ by more than rounding, or a field lacks the array.
-
-        >>> exact, rough = (raymap.generate("ball.ply", resolution=16, distance=name) for name in ("exact", "raster"))
-        >>> found = exact.compare(rough)
-        >>> found["samples"], found["sign_differences"], found["max_error"] < 1
-        (4096, 0, True)
-        """
-        return _raymap.compare(self._core, other._core, array)  # type: ignore[return-value]
-
-    def render_comparison(
-        self, other: Field, array: FieldArray = "distance", *, width: int = 512
-    ) -> npt.NDArray[np.uint8]:
-        """Returns a picture of the slice in which two fields differ most, (h, w, 3) uint8, rows from the top.
-
-        It is the slice with the most differences of sign, across any axis. Samples on which both agree are light grey
-        outside and grey inside. Inside by this field only is red, by the other only green, not finite violet. Black and
-        blue lines are the zero contours. If no sign differs, it is the slice across z of the largest error, from white
-        (equal) to dark red. Arguments and errors are those of ``compare``.
-
-        Args:
-            other: Field on the same grid.
-            array: Array to compare.
-            width: Width in pixels.
-
-        >>> field = raymap.generate("ball.ply", resolution=16)
-        >>> field.render_comparison(field, width=100).shape
-        (100, 100, 3)
-        """
-        return _raymap.render_comparison(self._core, other._core, to_whole("width", width), to_text("array", array))
 
     def __array__(self, dtype: npt.DTypeLike | None = None, copy: bool | None = None) -> npt.NDArray[Any]:
         """Returns the distances: ``np.asarray(field)`` is ``field.distance``."""

@@ -37,7 +37,8 @@ Pixels drawDefects(const MeshHandle& mesh, const RenderOptions& options) {
   return toPixels(std::move(picture));
 }
 
-nb::dict compare(const FieldHandle& a, const FieldHandle& b, std::string_view array) {
+template <class Handle>
+nb::dict compare(const Handle& a, const Handle& b, std::string_view array) {
   const auto chosen = fromName<FieldArray>(array);
   Comparison found;
   {
@@ -47,7 +48,8 @@ nb::dict compare(const FieldHandle& a, const FieldHandle& b, std::string_view ar
   return toPython(found);
 }
 
-Pixels drawComparison(const FieldHandle& a, const FieldHandle& b, int width, std::string_view array) {
+template <class Handle>
+Pixels drawComparison(const Handle& a, const Handle& b, int width, std::string_view array) {
   const auto chosen = fromName<FieldArray>(array);
   Picture picture;
   {
@@ -129,8 +131,10 @@ void bindRender(nb::module_& module) {
   module.def("render_field", &drawField<SparseHandle>, "field"_a, "options"_a, "machine"_a,
              "progress"_a.none());
   module.def("render_defects", &drawDefects, "mesh"_a, "options"_a);
-  module.def("compare", &compare, "a"_a, "b"_a, "array"_a);
-  module.def("render_comparison", &drawComparison, "a"_a, "b"_a, "width"_a, "array"_a);
+  module.def("compare", &compare<FieldHandle>, "a"_a, "b"_a, "array"_a);
+  module.def("compare", &compare<SparseHandle>, "a"_a, "b"_a, "array"_a);
+  module.def("render_comparison", &drawComparison<FieldHandle>, "a"_a, "b"_a, "width"_a, "array"_a);
+  module.def("render_comparison", &drawComparison<SparseHandle>, "a"_a, "b"_a, "width"_a, "array"_a);
   module.def("render_slice", &drawSlice<FieldHandle>, "field"_a, "axis"_a, "index"_a, "width"_a, "array"_a);
   module.def("render_slice", &drawSlice<SparseHandle>, "field"_a, "axis"_a, "index"_a, "width"_a, "array"_a);
 }

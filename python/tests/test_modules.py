@@ -65,7 +65,8 @@ class Module:
     def _values(self, function: ast.FunctionDef | ast.AsyncFunctionDef) -> set[str]:
         """Returns a function's arguments and variables that are declared to be, or made, of a class of this module."""
         arguments = [*function.args.posonlyargs, *function.args.args, *function.args.kwonlyargs]
-        found = {a.arg for a in arguments if isinstance(a.annotation, ast.Name) and a.annotation.id in self.classes}
+        own = self.classes | {"Self"}
+        found = {a.arg for a in arguments if isinstance(a.annotation, ast.Name) and a.annotation.id in own}
         for node in ast.walk(function):
             if isinstance(node, ast.Assign) and isinstance(node.value, ast.Call):
                 maker = node.value.func

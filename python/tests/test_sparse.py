@@ -59,6 +59,25 @@ def test_arrays_are_views(ball):
         _ = raymap.generate(ball, resolution=30, sparse=True).winding
 
 
+def test_bands_are_compared_as_their_dense_fields(ball, band):
+    other = raymap.generate(ball, resolution=40, band=(2, 4), arrays=ALL, sparse=True)
+    moved = raymap.SparseField.from_dense(band.to_dense())
+    moved.values[:] += 0.5 * band.spacing
+    for each in other, moved:
+        found, wanted = band.compare(each), band.to_dense().compare(each.to_dense())
+        assert found.keys() == wanted.keys() and found["samples"] == np.prod(band.shape)
+        for name, value in found.items():
+            np.testing.assert_allclose(value, wanted[name], rtol=1e-9)
+        picture = band.to_dense().render_comparison(each.to_dense(), width=90)
+        np.testing.assert_array_equal(band.render_comparison(each, width=90), picture)
+    assert band.compare(moved)["sign_differences"] > 100
+    assert band.compare(other, "winding")["differences"] == 0
+    with pytest.raises(raymap.UsageError, match="other is a Field; compare two fields, or two narrow bands"):
+        band.compare(band.to_dense())
+    with pytest.raises(raymap.UsageError, match="no array 'winding'"):
+        band.compare(raymap.generate(ball, resolution=40, band=3, sparse=True), "winding")
+
+
 def test_slices_are_those_of_the_dense_field(band):
     dense = band.to_dense()
     for array in ALL:

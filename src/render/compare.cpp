@@ -5,12 +5,14 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include "base/parallel.h"
 #include "base/text.h"
-#include "field/field_sampler.h"
+#include "render/array_reader.h"
 #include "render/slice_view.h"
 
 namespace raymap {
@@ -41,111 +43,179 @@ void requireSameGrid(const Grid& a, const Grid& b) {
     refuseGrids("origin " + text(a.origin) + " against " + text(b.origin));
 }
 
+/// The values of two fields at a sample.
+struct TwoValues {
+  float a, b;
+  bool differ;
+
+  bool areFinite() const { return std::isfinite(a) && std::isfinite(b); }
+};
+
 /// An array of two fields on one grid, sample by sample.
+template <class Array>
 class FieldPair {
  public:
-  FieldPair(const Field& a, const Field& b, FieldArray array) : a_(a), b_(b), array_(array) {
-    validateArray(a, array);
-    validateArray(b, array);
-    requireSameGrid(a.grid, b.grid);
-    if (array != FieldArray::Distance) return;
-    unit_ = a.grid.spacing;
-    for (const double band : {a.clampDistance, b.clampDistance})
+  FieldPair(const Array& a, const Array& b) : a_(a), b_(b) {
+    requireSameGrid(a.grid(), b.grid());
+    if (a.kind() != FieldArray::Distance) return;
+    unit_ = a.grid().spacing;
+    for (const double band : {a.clampDistance(), b.clampDistance()})
       if (band > 0.0) band_ = std::min(band_, band);
   }
-  bool isFinite(size_t n) const {
-    return isTriangle() || (std::isfinite(numbers(a_)[n]) && std::isfinite(numbers(b_)[n]));
+  const Grid& grid() const { return a_.grid(); }
+  /// Reads a sample of both. Of triangles, only whether they differ counts.
+  TwoValues at(const glm::ivec3& s) const {
+    if (a_.kind() == FieldArray::Triangle) return {0.0f, 0.0f, a_.triangle(s) != b_.triangle(s)};
+    const float a = a_(s), b = b_(s);
+    return {a, b, a != b};
   }
   /// Returns the difference of the numbers; of distances in samples.
-  double error(size_t n) const {
-    return isTriangle() ? 0.0 : std::abs(clamped(numbers(a_)[n]) - clamped(numbers(b_)[n])) / unit_;
-  }
-  bool differsInSign(size_t n) const {
-    return array_ == FieldArray::Distance && (a_.distance[n] < 0.0f) != (b_.distance[n] < 0.0f);
-  }
-  bool differs(size_t n) const {
-    return isTriangle() ? a_.triangle[n] != b_.triangle[n] : numbers(a_)[n] != numbers(b_)[n];
+  double error(const TwoValues& two) const { return std::abs(clamped(two.a) - clamped(two.b)) / unit_; }
+  bool differInSign(const TwoValues& two) const {
+    return a_.kind() == FieldArray::Distance && (two.a < 0.0f) != (two.b < 0.0f);
   }
 
  private:
-  bool isTriangle() const { return array_ == FieldArray::Triangle; }
-  const Buffer<float>& numbers(const Field& field) const { return numbersOf(field, array_); }
   double clamped(float value) const { return std::clamp(double(value), -band_, band_); }
 
-  const Field& a_;
-  const Field& b_;
-  FieldArray array_;
+  const Array& a_;
+  const Array& b_;
   double unit_ = 1.0;
   double band_ = INFINITY;
 };
 
-/// Result of one sheet, with the sums for the means.
+/// A box of samples. In a uniform one, each field has the same value everywhere.
+struct Part {
+  glm::ivec3 low, high;
+  bool isUniform = false;
+
+  size_t samples() const {
+    const glm::ivec3 size = high - low;
+    return size_t(size.x) * size_t(size.y) * size_t(size.z);
+  }
+  /// Calls `visit(sample, count)` for each sample, or once for all those of a uniform part.
+  template <class Visit>
+  void forEach(Visit&& visit) const {
+    if (isUniform) return visit(low, samples());
+    for (int k = low.z; k < high.z; ++k)
+      for (int j = low.y; j < high.y; ++j)
+        for (int i = low.x; i < high.x; ++i) visit(glm::ivec3(i, j, k), size_t{1});
+  }
+};
+
+/// Parts that hold all samples once, and how many of them are one task.
+struct Parts {
+  std::vector<Part> list;
+  size_t perTask = 1;
+};
+
+/// Returns the sheets of the grid.
+Parts partsOf(const DenseArray& a, const DenseArray&) {
+  const glm::ivec3 dims = a.grid().dims;
+  Parts parts;
+  for (int k = 0; k < dims.z; ++k) parts.list.push_back({{0, 0, k}, {dims.x, dims.y, k + 1}});
+  return parts;
+}
+
+/// Adds the parts of a cube of samples: the largest cubes without leaves in either band, and those of 8 x 8 x
+/// 8 samples.
+void addParts(const BandArray& a, const BandArray& b, const glm::ivec3& low, int side,
+              std::vector<Part>& parts) {
+  const glm::ivec3 dims = a.grid().dims;
+  if (glm::any(glm::greaterThanEqual(low, dims))) return;
+  const bool isUniform = std::min(a.emptySide(low), b.emptySide(low)) >= side;
+  if (isUniform || side == SparseField::kLeafSide) {
+    parts.push_back({low, glm::min(low + side, dims), isUniform});
+    return;
+  }
+  for (int child = 0; child < 8; ++child)
+    addParts(a, b, low + side / 2 * glm::ivec3(child & 1, child >> 1 & 1, child >> 2), side / 2, parts);
+}
+
+Parts partsOf(const BandArray& a, const BandArray& b) {
+  const glm::ivec3 dims = a.grid().dims;
+  Parts parts{.list = {}, .perTask = 1024};
+  const auto longest = uint32_t(std::max({dims.x, dims.y, dims.z, SparseField::kLeafSide}));
+  addParts(a, b, glm::ivec3(0), int(std::bit_ceil(longest)), parts.list);
+  return parts;
+}
+
+/// Result of some parts, with the sums for the means.
 struct Tally {
   Comparison result;
   double sum = 0.0;
   double squares = 0.0;
+
+  /// Notes a sample if its error is the largest. Of equal errors, that of the first sample counts.
+  void note(double error, const glm::ivec3& sample) {
+    const auto place = [](const glm::ivec3& s) { return std::tuple(s.z, s.y, s.x); };
+    if (error < result.maxError || error == 0.0) return;
+    if (error == result.maxError && place(sample) > place(result.worstSample)) return;
+    result.maxError = error;
+    result.worstSample = sample;
+  }
+
+  template <class Array>
+  void add(const FieldPair<Array>& pair, const glm::ivec3& sample, size_t count) {
+    result.samples += count;
+    const TwoValues two = pair.at(sample);
+    if (!two.areFinite()) {
+      result.nonFinite += count;
+      return;
+    }
+    const double error = pair.error(two);
+    sum += double(count) * error;
+    squares += double(count) * error * error;
+    result.signDifferences += pair.differInSign(two) ? count : 0;
+    result.differences += two.differ ? count : 0;
+    note(error, sample);
+  }
 };
 
-Tally tallySheet(const FieldPair& pair, const Grid& grid, int k) {
-  Tally tally;
-  Comparison& c = tally.result;
-  c.worstSample.z = k;
-  for (int j = 0; j < grid.dims.y; ++j)
-    for (int i = 0; i < grid.dims.x; ++i) {
-      const size_t n = grid.index({i, j, k});
-      ++c.samples;
-      if (!pair.isFinite(n)) {
-        ++c.nonFinite;
-        continue;
-      }
-      const double error = pair.error(n);
-      tally.sum += error;
-      tally.squares += error * error;
-      c.signDifferences += pair.differsInSign(n) ? 1 : 0;
-      c.differences += pair.differs(n) ? 1 : 0;
-      if (error > c.maxError) {
-        c.maxError = error;
-        c.worstSample = {i, j, k};
-      }
-    }
-  return tally;
-}
-
-Comparison joinSheets(const std::vector<Tally>& sheets) {
-  Comparison all;
-  double sum = 0.0, squares = 0.0;
-  for (const Tally& sheet : sheets) {
-    sum += sheet.sum;
-    squares += sheet.squares;
-    all.signDifferences += sheet.result.signDifferences;
-    all.differences += sheet.result.differences;
-    all.nonFinite += sheet.result.nonFinite;
-    all.samples += sheet.result.samples;
-    if (sheet.result.maxError > all.maxError) {
-      all.maxError = sheet.result.maxError;
-      all.worstSample = sheet.result.worstSample;
-    }
+Comparison joinTallies(const std::vector<Tally>& tallies) {
+  Tally all;
+  for (const Tally& tally : tallies) {
+    all.sum += tally.sum;
+    all.squares += tally.squares;
+    all.result.signDifferences += tally.result.signDifferences;
+    all.result.differences += tally.result.differences;
+    all.result.nonFinite += tally.result.nonFinite;
+    all.result.samples += tally.result.samples;
+    all.note(tally.result.maxError, tally.result.worstSample);
   }
-  const double counted = double(std::max<size_t>(all.samples - all.nonFinite, 1));
-  all.meanError = sum / counted;
-  all.rmsError = std::sqrt(squares / counted);
-  return all;
+  Comparison& result = all.result;
+  const double counted = double(std::max<size_t>(result.samples - result.nonFinite, 1));
+  result.meanError = all.sum / counted;
+  result.rmsError = std::sqrt(all.squares / counted);
+  return result;
 }
 
-/// Returns the slice with the most finite samples for which `isCounted(sample)`, as {axis, index}.
-template <class Counted>
-glm::ivec2 mostDifferentSlice(const FieldPair& pair, const Grid& grid, Counted&& isCounted) {
+template <class Array>
+Comparison comparePair(const FieldPair<Array>& pair, const Parts& parts) {
+  std::vector<Tally> tallies((parts.list.size() + parts.perTask - 1) / parts.perTask);
+  parallelFor(tallies.size(), 1, [&](size_t t, size_t) {
+    const size_t end = std::min((t + 1) * parts.perTask, parts.list.size());
+    for (size_t part = t * parts.perTask; part < end; ++part)
+      parts.list[part].forEach(
+          [&](const glm::ivec3& sample, size_t count) { tallies[t].add(pair, sample, count); });
+  });
+  return joinTallies(tallies);
+}
+
+/// Returns the slice with the most finite samples whose values `isCounted` counts, as {axis, index}.
+template <class Array, class Counted>
+glm::ivec2 mostDifferentSlice(const FieldPair<Array>& pair, const Parts& parts, Counted&& isCounted) {
   std::array<std::vector<size_t>, 3> counts;
-  for (int a = 0; a < 3; ++a) counts[a].resize(size_t(grid.dims[a]));
-  for (int k = 0; k < grid.dims.z; ++k)
-    for (int j = 0; j < grid.dims.y; ++j)
-      for (int i = 0; i < grid.dims.x; ++i) {
-        const size_t n = grid.index({i, j, k});
-        if (!isCounted(n) || !pair.isFinite(n)) continue;
-        ++counts[0][size_t(i)];
-        ++counts[1][size_t(j)];
-        ++counts[2][size_t(k)];
-      }
+  for (int a = 0; a < 3; ++a) counts[a].resize(size_t(pair.grid().dims[a]));
+  for (const Part& part : parts.list)
+    part.forEach([&](const glm::ivec3& sample, size_t count) {
+      const TwoValues two = pair.at(sample);
+      if (!two.areFinite() || !isCounted(two)) return;
+      const glm::ivec3 size = part.isUniform ? part.high - part.low : glm::ivec3(1);
+      for (int axis = 0; axis < 3; ++axis)
+        for (int index = sample[axis]; index < sample[axis] + size[axis]; ++index)
+          counts[size_t(axis)][size_t(index)] += count / size_t(size[axis]);
+    });
   glm::ivec2 best(2, 0);
   size_t most = 0;
   for (const int axis : {2, 1, 0})
@@ -172,60 +242,74 @@ Colour errorColour(double share) {
 /// Draws the surface of a field, where it has one, over the colours of a comparison.
 class SurfaceLines {
  public:
-  SurfaceLines(const SliceView& view, double pixel, FieldArray array)
-      : view_(view), pixel_(pixel), array_(array) {}
+  SurfaceLines(const SliceView& view, double pixel) : view_(view), pixel_(pixel) {}
 
-  Colour draw(const Colour& ground, const Field& field, glm::dvec2 at, const Colour& line) const {
-    if (array_ == FieldArray::Confidence) return ground;
-    const Buffer<float>& numbers = numbersOf(field, array_);
-    const auto read = [&](const glm::ivec3& sample) { return numbers[field.grid.index(sample)]; };
-    const double number = view_.value(read, at), slope = view_.slope(read, at, pixel_);
-    const double value = array_ == FieldArray::Winding ? std::abs(number) - 0.5 : number;
+  template <class Array>
+  Colour draw(const Colour& ground, const Array& array, glm::dvec2 at, const Colour& line) const {
+    if (array.kind() == FieldArray::Confidence) return ground;
+    const double number = view_.value(array, at), slope = view_.slope(array, at, pixel_);
+    const double value = array.kind() == FieldArray::Winding ? std::abs(number) - 0.5 : number;
     return slope > 0.0 && std::isfinite(value / slope) ? drawContour(ground, value, slope, line) : ground;
   }
 
  private:
   const SliceView& view_;
   double pixel_;
-  FieldArray array_;
 };
 
-Picture renderTriangles(const FieldPair& pair, const Grid& grid, int width) {
-  const glm::ivec2 slice = mostDifferentSlice(pair, grid, [&](size_t n) { return pair.differs(n); });
-  const SliceView view(grid, slice[0], slice[1]);
+template <class Array>
+Picture renderTriangles(const FieldPair<Array>& pair, const Parts& parts, int width) {
+  const glm::ivec2 slice = mostDifferentSlice(pair, parts, [](const TwoValues& two) { return two.differ; });
+  const SliceView view(pair.grid(), slice[0], slice[1]);
   return view.paint(width, [&](glm::dvec2 at) {
-    return pair.differs(grid.index(view.nearest(at))) ? srgb(208, 58, 52) : srgb(238, 239, 241);
+    return pair.at(view.nearest(at)).differ ? srgb(208, 58, 52) : srgb(238, 239, 241);
   });
+}
+
+template <class Array>
+Picture renderArrays(const Array& a, const Array& b, int width) {
+  makePicture(width, 1);  // Throws for an invalid width, by which `pixelSize` divides.
+  const FieldPair pair(a, b);
+  const Parts parts = partsOf(a, b);
+  if (a.kind() == FieldArray::Triangle) return renderTriangles(pair, parts, width);
+  const Comparison comparison = comparePair(pair, parts);
+  const bool showsSigns = comparison.signDifferences > 0;
+  const auto inSign = [&](const TwoValues& two) { return pair.differInSign(two); };
+  const glm::ivec2 slice =
+      showsSigns ? mostDifferentSlice(pair, parts, inSign) : glm::ivec2(2, comparison.worstSample.z);
+  const SliceView view(a.grid(), slice[0], slice[1]);
+  const SurfaceLines lines(view, view.pixelSize(width));
+  const double scale = comparison.maxError > 0.0 ? 1.0 / comparison.maxError : 0.0;
+  return view.paint(width, [&](glm::dvec2 at) {
+    const TwoValues two = pair.at(view.nearest(at));
+    if (!two.areFinite()) return kNotFinite;
+    const Colour ground =
+        showsSigns ? signColour(two.a < 0.0f, two.b < 0.0f) : errorColour(scale * pair.error(two));
+    return lines.draw(lines.draw(ground, b, at, srgb(40, 90, 200)), a, at, kContour);
+  });
+}
+
+template <class Array>
+Comparison compareArrays(const Array& a, const Array& b) {
+  return comparePair(FieldPair(a, b), partsOf(a, b));
 }
 
 }  // namespace
 
 Comparison compareFields(const Field& a, const Field& b, FieldArray array) {
-  const FieldPair pair(a, b, array);
-  std::vector<Tally> sheets(size_t(a.grid.dims.z));
-  parallelFor(sheets.size(), 1, [&](size_t k, size_t) { sheets[k] = tallySheet(pair, a.grid, int(k)); });
-  return joinSheets(sheets);
+  return compareArrays(DenseArray(a, array), DenseArray(b, array));
+}
+
+Comparison compareFields(const SparseField& a, const SparseField& b, FieldArray array) {
+  return compareArrays(BandArray(a, array), BandArray(b, array));
 }
 
 Picture renderComparison(const Field& a, const Field& b, int width, FieldArray array) {
-  const Comparison comparison = compareFields(a, b, array);
-  makePicture(width, 1);  // Throws for an invalid width, by which `pixelSize` divides.
-  const FieldPair pair(a, b, array);
-  if (array == FieldArray::Triangle) return renderTriangles(pair, a.grid, width);
-  const bool showsSigns = comparison.signDifferences > 0;
-  const glm::ivec2 slice =
-      showsSigns ? mostDifferentSlice(pair, a.grid, [&](size_t n) { return pair.differsInSign(n); })
-                 : glm::ivec2(2, comparison.worstSample.z);
-  const SliceView view(a.grid, slice[0], slice[1]);
-  const SurfaceLines lines(view, view.pixelSize(width), array);
-  const double scale = comparison.maxError > 0.0 ? 1.0 / comparison.maxError : 0.0;
-  return view.paint(width, [&](glm::dvec2 at) {
-    const size_t n = a.grid.index(view.nearest(at));
-    if (!pair.isFinite(n)) return kNotFinite;
-    const Colour ground = showsSigns ? signColour(a.distance[n] < 0.0f, b.distance[n] < 0.0f)
-                                     : errorColour(scale * pair.error(n));
-    return lines.draw(lines.draw(ground, b, at, srgb(40, 90, 200)), a, at, kContour);
-  });
+  return renderArrays(DenseArray(a, array), DenseArray(b, array), width);
+}
+
+Picture renderComparison(const SparseField& a, const SparseField& b, int width, FieldArray array) {
+  return renderArrays(BandArray(a, array), BandArray(b, array), width);
 }
 
 }  // namespace raymap

@@ -1,14 +1,8 @@
 // A slice of a field as a map: shaded by value, with iso-lines and the contour of the surface.
 
-#include <raymap/names.h>
-
 #include <algorithm>
-#include <limits>
-#include <string>
 
-#include "base/require.h"
-#include "field/field_sampler.h"
-#include "field/leaf_tree.h"
+#include "render/array_reader.h"
 #include "render/slice_view.h"
 
 namespace raymap {
@@ -22,34 +16,6 @@ struct Range {
 
 // Least distance of iso-lines, in pixels.
 constexpr double kLeastGap = 8.0;
-
-/// Reads the numbers of an array of a dense field.
-class DenseNumbers {
- public:
-  DenseNumbers(const Field& field, FieldArray array) : grid_(field.grid), numbers_(numbersOf(field, array)) {}
-  float operator()(const glm::ivec3& sample) const { return numbers_[grid_.index(sample)]; }
-
- private:
-  const Grid& grid_;
-  const Buffer<float>& numbers_;
-};
-
-/// Reads the numbers of an array of a narrow band. In no leaf, numbers other than distances are NaN.
-class SparseNumbers {
- public:
-  SparseNumbers(const LeafTree& tree, FieldArray array) : tree_(tree), array_(array) {}
-  float operator()(const glm::ivec3& sample) const {
-    const SparseField& band = tree_.band();
-    if (array_ == FieldArray::Distance) return tree_.blockWith(sample).at(sample);
-    const Buffer<float>& numbers = array_ == FieldArray::Winding ? band.winding : band.confidence;
-    const int64_t place = tree_.find(sample);
-    return place < 0 ? std::numeric_limits<float>::quiet_NaN() : numbers[size_t(place)];
-  }
-
- private:
-  const LeafTree& tree_;
-  FieldArray array_;
-};
 
 /// Returns the largest finite distances inside and outside in the slice. With a band it returns twice the
 /// band's width. The band's plateau, which only means "far", then gets the middle of the colour ramp.
@@ -110,55 +76,26 @@ Picture drawConfidence(const Numbers& confidences, const SliceView& view, int wi
   });
 }
 
-/// Draws the numbers of an array in its colours.
-template <class Numbers>
-Picture drawNumbers(const Numbers& numbers, FieldArray array, double band, double spacing,
-                    const SliceView& view, int width) {
-  if (array == FieldArray::Winding) return drawWinding(numbers, view, width);
-  if (array == FieldArray::Confidence) return drawConfidence(numbers, view, width);
-  return drawDistance(numbers, band, spacing, view, width);
-}
-
-/// `triangleAt(sample)` returns the triangle of a sample.
-template <class TriangleAt>
-Picture drawTriangles(const SliceView& view, int width, TriangleAt&& triangleAt) {
-  return view.paint(width, [&](glm::dvec2 at) { return triangleColour(triangleAt(view.nearest(at))); });
-}
-
-void checkArray(const SparseField& band, FieldArray array) {
-  validate(band);
-  const bool isThere = array == FieldArray::Distance     ? true
-                       : array == FieldArray::Winding    ? !band.winding.empty()
-                       : array == FieldArray::Confidence ? !band.confidence.empty()
-                                                         : !band.triangle.empty();
-  require(isThere, "the narrow band has no array '" + std::string(name(array)) +
-                       "'; ask for it in the options of the band");
+/// Draws an array in its colours.
+template <class Array>
+Picture drawArray(const Array& array, int axis, int index, int width) {
+  makePicture(width, 1);  // Throws for an invalid width, by which `pixelSize` divides.
+  const SliceView view(array.grid(), axis, index);
+  if (array.kind() == FieldArray::Winding) return drawWinding(array, view, width);
+  if (array.kind() == FieldArray::Confidence) return drawConfidence(array, view, width);
+  if (array.kind() == FieldArray::Triangle)
+    return view.paint(width, [&](glm::dvec2 at) { return triangleColour(array.triangle(view.nearest(at))); });
+  return drawDistance(array, array.clampDistance(), array.grid().spacing, view, width);
 }
 
 }  // namespace
 
 Picture renderSlice(const Field& field, int axis, int index, int width, FieldArray array) {
-  validateArray(field, array);
-  makePicture(width, 1);  // Throws for an invalid width, by which `pixelSize` divides.
-  const SliceView view(field.grid, axis, index);
-  if (array == FieldArray::Triangle)
-    return drawTriangles(view, width,
-                         [&](const glm::ivec3& sample) { return field.triangle[field.grid.index(sample)]; });
-  return drawNumbers(DenseNumbers(field, array), array, field.clampDistance, field.grid.spacing, view, width);
+  return drawArray(DenseArray(field, array), axis, index, width);
 }
 
 Picture renderSlice(const SparseField& band, int axis, int index, int width, FieldArray array) {
-  checkArray(band, array);
-  makePicture(width, 1);
-  const SliceView view(band.grid, axis, index);
-  const LeafTree tree(band);
-  if (array == FieldArray::Triangle)
-    return drawTriangles(view, width, [&](const glm::ivec3& sample) {
-      const int64_t place = tree.find(sample);
-      return place < 0 ? kNoTriangle : band.triangle[size_t(place)];
-    });
-  return drawNumbers(SparseNumbers(tree, array), array, clampDistanceOf(band), band.grid.spacing, view,
-                     width);
+  return drawArray(BandArray(band, array), axis, index, width);
 }
 
 }  // namespace raymap

@@ -34,6 +34,31 @@ TEST_F(CliCompare, ConvertsAndCompares) {
   EXPECT_NE(succeed("compare a.nrrd broken.nrrd").out.find("not finite        1,"), std::string::npos);
 }
 
+// Level sets of more than 2^24 samples.
+TEST_F(CliCompare, ComparesNarrowBands) {
+  if (!hasFieldFormat(".vdb")) GTEST_SKIP();
+  const Grid grid{{645, 590, 45}, {-1.2, -1.1, -1.05}, 0.05};
+  const SparseField a = Surface(shapes::sphere(1.0, 3)).generateBand(grid),
+                    b = Surface(shapes::sphere(0.9, 3)).generateBand(grid, {.outside = 2.0, .inside = 4.0});
+  writeBand(path("a.vdb"), a);
+  writeBand(path("b.vdb"), b);
+  writeField(path("b.nrrd"), toDense(b));
+  const Comparison wanted = compareFields(toDense(a), toDense(b));
+  EXPECT_GT(wanted.signDifferences, 1000u);
+  writePng(path("wanted.png"), renderComparison(toDense(a), toDense(b)));
+  for (const char* other : {"b.vdb", "b.nrrd"}) {
+    const Json found =
+        Json::parse(succeed(std::string("compare a.vdb ") + other + " --json -o found.png -f").out);
+    EXPECT_EQ(found["samples"], grid.sampleCount());
+    EXPECT_EQ(found["sign_differences"], wanted.signDifferences);
+    EXPECT_EQ(found["differences"], wanted.differences);
+    EXPECT_EQ(found["max_error"], wanted.maxError);
+    EXPECT_NEAR(double(found["mean_error"]), wanted.meanError, 1e-9);
+    EXPECT_EQ(readBytes(path("found.png")), readBytes(path("wanted.png")));
+  }
+  expectFailure("compare a.vdb b.vdb --as winding", ErrorCode::Usage, "winding");
+}
+
 // Winding numbers, confidences and triangles, in files that name what they hold and in those that do not.
 TEST_F(CliCompare, DrawsAndComparesTheOtherArrays) {
   Mesh mesh = shapes::torus(2.0, 0.7, 40, 24);

@@ -1,0 +1,78 @@
+#pragma once
+
+#include <raymap/names.h>
+
+#include <limits>
+#include <string>
+
+#include "base/require.h"
+#include "field/field_sampler.h"
+#include "field/leaf_tree.h"
+
+namespace raymap {
+
+/// Reads the samples of an array of a dense field, to which it keeps a reference.
+class DenseArray {
+ public:
+  /// Throws `Error(Usage)` if the field has no such array.
+  DenseArray(const Field& field, FieldArray kind)
+      : field_((validateArray(field, kind), field)), kind_(kind), numbers_(numbersOf(field, kind)) {}
+
+  const Grid& grid() const { return field_.grid; }
+  FieldArray kind() const { return kind_; }
+  /// Returns the magnitude to which distances are clamped; 0 if they are not.
+  double clampDistance() const { return field_.clampDistance; }
+  float operator()(const glm::ivec3& sample) const { return numbers_[grid().index(sample)]; }
+  uint32_t triangle(const glm::ivec3& sample) const { return field_.triangle[grid().index(sample)]; }
+
+ private:
+  const Field& field_;
+  FieldArray kind_;
+  const Buffer<float>& numbers_;
+};
+
+/// Reads the samples of an array of a narrow band, to which it keeps a reference. In no leaf, numbers other
+/// than distances are NaN, and there is no triangle.
+class BandArray {
+ public:
+  /// Throws `Error(Usage)` if the band has no such array.
+  BandArray(const SparseField& band, FieldArray kind)
+      : tree_((check(band, kind), band)),
+        kind_(kind),
+        numbers_(kind == FieldArray::Winding ? band.winding : band.confidence) {}
+
+  const Grid& grid() const { return tree_.band().grid; }
+  FieldArray kind() const { return kind_; }
+  double clampDistance() const { return clampDistanceOf(tree_.band()); }
+  float operator()(const glm::ivec3& sample) const {
+    if (kind_ == FieldArray::Distance) return tree_.blockWith(sample).at(sample);
+    const int64_t place = tree_.find(sample);
+    return place < 0 ? std::numeric_limits<float>::quiet_NaN() : numbers_[size_t(place)];
+  }
+  uint32_t triangle(const glm::ivec3& sample) const {
+    const int64_t place = tree_.find(sample);
+    return place < 0 ? kNoTriangle : tree_.band().triangle[size_t(place)];
+  }
+  /// Returns how many samples the side of a cube without leaves has that holds a sample; 0 if a leaf does.
+  int32_t emptySide(const glm::ivec3& sample) const {
+    const auto cube = tree_.emptyCube(sample);
+    return cube ? cube->side : 0;
+  }
+
+ private:
+  static void check(const SparseField& band, FieldArray kind) {
+    validate(band);
+    const bool isThere = kind == FieldArray::Distance     ? true
+                         : kind == FieldArray::Winding    ? !band.winding.empty()
+                         : kind == FieldArray::Confidence ? !band.confidence.empty()
+                                                          : !band.triangle.empty();
+    require(isThere, "the narrow band has no array '" + std::string(name(kind)) +
+                         "'; ask for it in the options of the band");
+  }
+
+  LeafTree tree_;
+  FieldArray kind_;
+  const Buffer<float>& numbers_;
+};
+
+}  // namespace raymap
