@@ -67,7 +67,7 @@ def test_slices_are_those_of_the_dense_field(band):
             np.testing.assert_array_equal(band.slice(axis, index, array=array, width=60), expected)
     with pytest.raises(raymap.UsageError, match="index 40 is out of range"):
         band.slice("x", 40)
-    with pytest.raises(raymap.UsageError, match="has no array 'winding'"):
+    with pytest.raises(raymap.UsageError, match="has no winding numbers"):
         raymap.SparseField.from_dense(raymap.Field(dense.distance)).slice("x", array="winding")
 
 

@@ -1,12 +1,9 @@
 // A slice of a field as a map: shaded by value, with iso-lines and the contour of the surface.
 
-#include <raymap/names.h>
+#include <raymap/render.h>
 
 #include <algorithm>
-#include <limits>
-#include <string>
 
-#include "base/require.h"
 #include "field/field_sampler.h"
 #include "field/leaf_tree.h"
 #include "render/slice_view.h"
@@ -37,18 +34,15 @@ class DenseNumbers {
 /// Reads the numbers of an array of a narrow band. In no leaf, numbers other than distances are NaN.
 class SparseNumbers {
  public:
-  SparseNumbers(const LeafTree& tree, FieldArray array) : tree_(tree), array_(array) {}
+  SparseNumbers(const LeafTree& tree, FieldArray array)
+      : tree_(tree), other_(array == FieldArray::Distance ? nullptr : &numbersOf(tree.band(), array)) {}
   float operator()(const glm::ivec3& sample) const {
-    const SparseField& band = tree_.band();
-    if (array_ == FieldArray::Distance) return tree_.blockWith(sample).at(sample);
-    const Buffer<float>& numbers = array_ == FieldArray::Winding ? band.winding : band.confidence;
-    const int64_t place = tree_.find(sample);
-    return place < 0 ? std::numeric_limits<float>::quiet_NaN() : numbers[size_t(place)];
+    return (other_ ? tree_.blockWith(sample, *other_) : tree_.blockWith(sample)).at(sample);
   }
 
  private:
   const LeafTree& tree_;
-  FieldArray array_;
+  const Buffer<float>* other_;  ///< Null: the distances.
 };
 
 /// Returns the largest finite distances inside and outside in the slice. With a band it returns twice the
@@ -125,16 +119,6 @@ Picture drawTriangles(const SliceView& view, int width, TriangleAt&& triangleAt)
   return view.paint(width, [&](glm::dvec2 at) { return triangleColour(triangleAt(view.nearest(at))); });
 }
 
-void checkArray(const SparseField& band, FieldArray array) {
-  validate(band);
-  const bool isThere = array == FieldArray::Distance     ? true
-                       : array == FieldArray::Winding    ? !band.winding.empty()
-                       : array == FieldArray::Confidence ? !band.confidence.empty()
-                                                         : !band.triangle.empty();
-  require(isThere, "the narrow band has no array '" + std::string(name(array)) +
-                       "'; ask for it in the options of the band");
-}
-
 }  // namespace
 
 Picture renderSlice(const Field& field, int axis, int index, int width, FieldArray array) {
@@ -148,7 +132,7 @@ Picture renderSlice(const Field& field, int axis, int index, int width, FieldArr
 }
 
 Picture renderSlice(const SparseField& band, int axis, int index, int width, FieldArray array) {
-  checkArray(band, array);
+  validateArray(band, array);
   makePicture(width, 1);
   const SliceView view(band.grid, axis, index);
   const LeafTree tree(band);

@@ -29,6 +29,8 @@ class DrawnField {
   const Field* dense() const { return dense_; }
   /// Returns the narrow band, or null for a dense field.
   const SparseField* band() const { return tree_ ? &tree_->band() : nullptr; }
+  /// Returns the tree of the narrow band, or null for a dense field.
+  const LeafTree* tree() const { return tree_.get(); }
   const Grid& grid() const { return dense_ ? dense_->grid : tree_->band().grid; }
   /// Returns whether the samples are in the host's memory.
   bool hasSamples() const { return !dense_ || !dense_->distance.empty(); }

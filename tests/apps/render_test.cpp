@@ -95,7 +95,11 @@ TEST_F(CliRender, DrawsNarrowBands) {
   expectDrawn("", renderField(band, options));
   expectDrawn("--slice x --index 7", renderSlice(band, 0, 7, 64));
   expectDrawn("--slice z --as winding", renderSlice(band, 2, -1, 64, FieldArray::Winding));
-  expectFailure("render band.vdb -o n.png --as winding", ErrorCode::Usage, "distances alone");
+  RenderOptions ofWinding = options;
+  ofWinding.cut = true;
+  ofWinding.array = FieldArray::Winding;
+  expectDrawn("--cut --as winding", renderField(band, ofWinding));
+  expectFailure("render band.vdb -o n.png --as confidence", ErrorCode::Usage, "leave out --as");
   expectFailure("render band.vdb -o n.png --slice z --as confidence", ErrorCode::Usage, "leave out --as");
   expectFailure("render band.vdb -o n.png --device vulkan", ErrorCode::Usage, "drawn on the CPU");
 }

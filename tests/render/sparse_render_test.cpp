@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 #include <random>
+#include <string>
 #include <vector>
 
 #include "analytic_fields.h"
@@ -188,6 +189,72 @@ TEST(SparseRender, PicturesAreThoseOfTheDenseField) {
   }
 }
 
+/// Returns the dense field, with a number in place of those that the band does not have.
+Field filled(const SparseField& band, float unknown) {
+  Field field = toDense(band);
+  for (Buffer<float>* numbers : {&field.winding, &field.confidence})
+    for (float& number : *numbers)
+      if (std::isnan(number)) number = unknown;
+  return field;
+}
+
+glm::ivec3 pixelOf(const Picture& picture, size_t n) {
+  return {picture.rgb[3 * n], picture.rgb[3 * n + 1], picture.rgb[3 * n + 2]};
+}
+
+/// Numbers of pixels of a band's picture.
+struct Pixels {
+  size_t known = 0;    ///< Those whose colour does not depend on numbers that are not known.
+  size_t apart = 0;    ///< Known ones whose colour is not that of the dense field.
+  size_t unknown = 0;  ///< Those in the colour of numbers that are not known.
+  size_t mixed = 0;    ///< Others.
+};
+
+/// Compares a picture with those of two dense fields, which differ in the numbers that the band does not
+/// have.
+Pixels countPixels(const Picture& picture, const Picture& a, const Picture& b) {
+  Pixels found;
+  for (size_t n = 0; n < picture.rgb.size() / 3; ++n) {
+    const glm::ivec3 pixel = pixelOf(picture, n), expected = pixelOf(a, n);
+    const glm::ivec3 away = glm::abs(pixel - expected);
+    if (expected == pixelOf(b, n)) {
+      ++found.known;
+      found.apart += std::max({away.x, away.y, away.z}) > 8;
+    } else if (pixel == glm::ivec3(140, 60, 160)) {
+      ++found.unknown;
+    } else {
+      ++found.mixed;
+    }
+  }
+  return found;
+}
+
+TEST(SparseRender, ArraysHaveTheColoursOfTheDenseField) {
+  const Mesh mesh = withHoles(shapes::torus(1.0, 0.35, 40, 20), 3, 0.2, 7);
+  const SparseField band =
+      Surface(mesh).generateBand(fitGrid(mesh, {.resolution = 180}), {.winding = true, .confidence = true});
+  const Field low = filled(band, 0.0f), high = filled(band, 0.7f);
+  const RenderOptions view{.width = 100, .height = 75};
+  RenderOptions cut = view, sliced = view;
+  cut.cut = true;
+  sliced.slice = Plane{.normal = {1, 0, 1}, .offset = 0.3};
+  for (const FieldArray array : {FieldArray::Winding, FieldArray::Confidence})
+    for (RenderOptions options : {view, cut, sliced}) {
+      const bool isSurfaceAlone = options == view;
+      const Picture plain = renderField(band, options);
+      options.array = array;
+      const Picture picture = renderField(band, options, {.threads = 1});
+      const Pixels found = countPixels(picture, renderField(low, options, {.device = "cpu"}),
+                                       renderField(high, options, {.device = "cpu"}));
+      EXPECT_GT(found.known, 4500u);
+      EXPECT_LE(found.apart, 7u);  // One in a thousand, at edges of shadows.
+      EXPECT_EQ(found.unknown > 250, !isSurfaceAlone) << found.unknown;
+      EXPECT_LT(found.mixed, isSurfaceAlone ? 10u : 300u);
+      EXPECT_EQ(picture.rgb == plain.rgb, isSurfaceAlone && array == FieldArray::Winding);
+      EXPECT_EQ(picture.rgb, renderField(band, options, {.threads = 3}).rgb);
+    }
+}
+
 TEST(SparseRender, SlicesAreThoseOfTheDenseField) {
   for (const SparseField& band : someBands()) {
     const Field field = toDense(band);
@@ -217,11 +284,25 @@ TEST(SparseRender, RefusesWhatCannotBeDrawn) {
   EXPECT_EQ(codeWith({.iso = -4.0 * h}), ErrorCode::Usage);
   EXPECT_EQ(codeWith({.shell = 3.9 * h}), std::nullopt);
   EXPECT_EQ(codeWith({.shell = 4.0 * h}), ErrorCode::Usage);
-  EXPECT_EQ(codeWith({.array = FieldArray::Winding}), ErrorCode::Usage);
+  EXPECT_EQ(codeWith({.array = FieldArray::Winding}), std::nullopt);
+  EXPECT_EQ(codeWith({.array = FieldArray::Confidence}), ErrorCode::Usage);
+  EXPECT_EQ(codeWith({.array = FieldArray::Triangle}), ErrorCode::Usage);
   const Field other = toDense(band);
   EXPECT_EQ(codeWith({.other = &other}), ErrorCode::Usage);
   EXPECT_EQ(codeOf([&] { renderSlice(band, 0, -1, 9, FieldArray::Confidence); }), ErrorCode::Usage);
   EXPECT_EQ(codeOf([&] { renderSlice(band, 3); }), ErrorCode::Usage);
+  const glm::ivec3 sample = band.leaves[3] + glm::ivec3(2, 1, 0);
+  band.winding[3 * 512 + 10] = INFINITY;
+  EXPECT_EQ(codeWith({}), std::nullopt);
+  try {
+    renderField(band, {.array = FieldArray::Winding});
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ErrorCode::Input);
+    const std::string where = "sample (" + std::to_string(sample.x) + ", " + std::to_string(sample.y) + ", " +
+                              std::to_string(sample.z) + ")";
+    EXPECT_NE(std::string(error.what()).find(where), std::string::npos) << error.what();
+  }
   band.distance[5] = NAN;
   EXPECT_EQ(codeWith({}), ErrorCode::Input);
   band.leaves[1] = band.leaves[0];

@@ -1,0 +1,55 @@
+#pragma once
+
+#include <raymap/picture.h>
+
+#include <variant>
+
+#include "scene/colouring.h"
+#include "scene/drawn_field.h"
+
+namespace raymap {
+
+/// Numbers in colour on slice, cut face and surface.
+class ShownNumbers {
+ public:
+  /// Keeps references to the fields. Shows what the options say: an array, or the difference of two fields.
+  ShownNumbers(const DrawnField& field, const RenderOptions& options);
+
+  /// Returns the number at a point in sample coordinates, NaN where it is not known; differences are in
+  /// samples.
+  double at(const glm::dvec3& p) const;
+  const Colouring& colouring() const { return colouring_; }
+  /// Returns the winding numbers, confidences, or distances of the second field, if both fields are dense.
+  const Buffer<float>& numbers() const { return std::get<OfDense>(source_).numbers; }
+  bool isDifference() const { return isDifference_; }
+
+ private:
+  /// An array of a dense field, or the difference of two on one grid.
+  struct OfDense {
+    double operator()(const glm::dvec3& p) const { return scale * (between(p) - (base ? (*base)(p) : 0.0)); }
+    const Buffer<float>& numbers;
+    Trilinear<double> between;
+    std::optional<Trilinear<double>> base;
+    double scale;
+  };
+  /// An array of a narrow band.
+  struct OfLeaves {
+    double operator()(const glm::dvec3& p) const { return SparseTrilinear(between)(p); }
+    struct Reader {
+      SparseBlock blockWith(const glm::ivec3& sample) const { return tree->blockWith(sample, *numbers); }
+      const LeafTree* tree;
+      const Buffer<float>* numbers;
+    };
+    SparseTrilinear<Reader> between;
+  };
+  using Source = std::variant<OfDense, OfLeaves>;
+
+  static Source sourceOf(const DrawnField& field, const RenderOptions& options);
+
+  Colouring colouring_;
+  bool isDifference_;
+  glm::dvec3 last_;
+  Source source_;
+};
+
+}  // namespace raymap
