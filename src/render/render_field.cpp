@@ -36,7 +36,9 @@ void checkOptions(const RenderOptions& options) {
   checkPictureSize(options.width, options.height);
   require(options.array != FieldArray::Triangle,
           "a surface has no colours of triangles; draw a slice of them");
-  require(!options.other || options.array == FieldArray::Distance,
+  require(!options.other || !options.otherBand,
+          "a picture shows the difference from one field; leave out the dense one or the band");
+  require((!options.other && !options.otherBand) || options.array == FieldArray::Distance,
           "a picture shows the difference of two fields or the array '" + std::string(name(options.array)) +
               "', not both");
 }
@@ -110,8 +112,9 @@ Picture renderField(const Field& field, const RenderOptions& options, const Mach
 Picture renderField(const SparseField& band, const RenderOptions& options, const MachineOptions& machine) {
   validate(band);
   checkOptions(options);
-  require(!options.other, "a picture of a narrow band shows no second field; leave it out");
   if (options.array != FieldArray::Distance) checkNumbers(band, options.array);
+  if (options.other) checkNumbers(*options.other, FieldArray::Distance);
+  if (options.otherBand) checkNumbers(*options.otherBand, FieldArray::Distance);
   MachineOptions onCpu = machine;
   onCpu.device = "cpu";
   Picture picture;

@@ -13,6 +13,7 @@ namespace raymap {
 class ShownNumbers {
  public:
   /// Keeps references to the fields. Shows what the options say: an array, or the difference of two fields.
+  /// Throws `Error(Usage)` for the difference of a dense field from a band.
   ShownNumbers(const DrawnField& field, const RenderOptions& options);
 
   /// Returns the number at a point in sample coordinates, NaN where it is not known; differences are in
@@ -42,12 +43,22 @@ class ShownNumbers {
     };
     SparseTrilinear<Reader> between;
   };
-  using Source = std::variant<OfDense, OfLeaves>;
+  /// The difference of a field from a narrow band. Clamped distances bound it: it is known all the same
+  /// where the bound is in the deepest colour.
+  struct OfBand {
+    double operator()(const glm::dvec3& p) const;
+    const DrawnField* first;
+    DrawnField other;
+    double scale;      ///< Spacing of the first field's grid, in samples of the other's.
+    glm::dvec3 shift;  ///< Position of the first field's first sample, in samples of the other's.
+    double range;      ///< The least difference in the deepest colour.
+  };
+  using Source = std::variant<OfDense, OfLeaves, OfBand>;
 
   static Source sourceOf(const DrawnField& field, const RenderOptions& options);
 
-  Colouring colouring_;
   bool isDifference_;
+  Colouring colouring_;
   glm::dvec3 last_;
   Source source_;
 };
