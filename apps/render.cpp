@@ -206,6 +206,7 @@ MeshOrField withoutBand(MeshFieldOrBand shape, const MachineOptions& machine) {
   return std::get<Field>(std::move(shape));
 }
 
+/// Draws the first of two shapes. Large level sets stay narrow bands, if the second shape is not a mesh.
 void renderOneOfTwo(RenderArguments& arguments) {
   if (!arguments.slice.empty())
     throw Error(ErrorCode::Usage,

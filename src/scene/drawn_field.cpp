@@ -19,6 +19,7 @@ DrawnField::DrawnField(const SparseField& band)
       sparse_(SparseSampler({band.grid.dims, TreeReader{tree_.get()}}, band.grid.spacing)) {}
 
 DrawnField::Reading DrawnField::reading(const glm::dvec3& p) const {
+  constexpr double kNearly = 1.0 - 1e-6;  // Files round clamped distances, and so do units.
   const glm::ivec3 dims = grid().dims;
   const glm::dvec3 q = glm::clamp(p, glm::dvec3(0.0), last());
   const glm::ivec3 cell = glm::min(glm::ivec3(q), glm::max(dims - 2, 0));
@@ -27,8 +28,8 @@ DrawnField::Reading DrawnField::reading(const glm::dvec3& p) const {
     const glm::ivec3 sample = glm::min(cell + glm::ivec3(corner & 1, corner >> 1 & 1, corner >> 2), dims - 1);
     const float distance =
         dense_ ? dense_->distance[dense_->grid.index(sample)] : tree_->blockWith(sample).at(sample);
-    found.mayBeLess |= distance <= -float(inside_);
-    found.mayBeMore |= distance >= float(outside_);
+    found.mayBeLess |= distance <= -kNearly * inside_;
+    found.mayBeMore |= distance >= kNearly * outside_;
   }
   return found;
 }
