@@ -70,10 +70,11 @@ void checkDevice(const SparseField&, const RenderArguments& arguments) {
                     ": a level set of so many samples is drawn on the CPU; leave out --device");
 }
 
-/// Draws a field or a narrow band; the difference from another field, if there is one.
+/// Draws a field or a narrow band, in colours that tell the difference from another one, if there is one.
 template <class AnyField>
 Picture draw(const AnyField& field, FieldArray array, const RenderArguments& arguments,
-             const std::string& title = "", const Field* other = nullptr) {
+             const std::string& title = "", const Field* other = nullptr,
+             const SparseField* otherBand = nullptr) {
   if (!arguments.slice.empty())
     return renderSlice(field, arguments.slice[0] - 'x', arguments.index, arguments.camera.size[0], array);
   const bool hasSurface = std::is_same_v<AnyField, SparseField> || !field.distance.empty();
@@ -84,6 +85,7 @@ Picture draw(const AnyField& field, FieldArray array, const RenderArguments& arg
   RenderOptions view = arguments.view;
   view.array = array;
   view.other = other;
+  view.otherBand = otherBand;
   MachineOptions machine = arguments.machine;
   testBeforeFirstUse(machine.device);
   ProgressLine line;
@@ -160,6 +162,7 @@ void renderFrames(RenderArguments& arguments) {
 }
 
 using MeshOrField = std::variant<Mesh, Field>;
+using MeshFieldOrBand = std::variant<Mesh, Field, SparseField>;
 
 /// Returns the grid on which two shapes are shown: that of a field, the first one's rather, or one over both
 /// meshes.
@@ -180,21 +183,44 @@ Field fieldOf(MeshOrField& shape, const Grid& grid, const RenderArguments& argum
   return std::move(std::get<Field>(shape));
 }
 
+/// Draws a narrow band in the colours of its difference from another field, or in those of --as.
+Picture drawBand(const SparseField& band, const MeshFieldOrBand& second, const RenderArguments& arguments) {
+  const FieldArray array = chooseArray(arguments.input, arguments.as, band);
+  if (!arguments.as.empty()) return draw(band, array, arguments);
+  return draw(band, array, arguments, "", std::get_if<Field>(&second), std::get_if<SparseField>(&second));
+}
+
 /// Draws a shape in the colours of its difference from another one, or in those of --as.
+Picture drawDense(MeshOrField first, MeshOrField second, const RenderArguments& arguments) {
+  const Grid grid = gridOfBoth(first, second, arguments.grid);
+  Field field = fieldOf(first, grid, arguments);
+  if (!arguments.as.empty()) return draw(field, chooseArray(arguments.input, arguments.as, field), arguments);
+  const Field other = fieldOf(second, grid, arguments);
+  return draw(field, FieldArray::Distance, arguments, "", &other);
+}
+
+/// Returns a shape as it is, or the dense field of a narrow band.
+MeshOrField withoutBand(MeshFieldOrBand shape, const MachineOptions& machine) {
+  if (const SparseField* band = std::get_if<SparseField>(&shape)) return toDense(*band, machine);
+  if (Mesh* mesh = std::get_if<Mesh>(&shape)) return std::move(*mesh);
+  return std::get<Field>(std::move(shape));
+}
+
+/// Draws the first of two shapes. Large level sets stay narrow bands, if the second shape is not a mesh.
 void renderOneOfTwo(RenderArguments& arguments) {
   if (!arguments.slice.empty())
     throw Error(ErrorCode::Usage,
                 "a map of a slice shows one shape; show two on a plane with --slice-plane, or compare their "
                 "fields by 'raymap compare'");
-  MeshOrField first = load(arguments.input, arguments), second = load(arguments.other, arguments);
-  const Grid grid = gridOfBoth(first, second, arguments.grid);
-  Field field = fieldOf(first, grid, arguments), other;
-  FieldArray array = FieldArray::Distance;
-  if (arguments.as.empty())
-    other = fieldOf(second, grid, arguments);
-  else
-    array = chooseArray(arguments.input, arguments.as, field);
-  writePng(arguments.picture, draw(field, array, arguments, "", arguments.as.empty() ? &other : nullptr));
+  const auto loadAny = [&](const fs::path& path) {
+    return loadMeshFieldOrBand(path, arguments.format.input, arguments.format.grid, arguments.units);
+  };
+  MeshFieldOrBand first = loadAny(arguments.input), second = loadAny(arguments.other);
+  const SparseField* band = std::get_if<SparseField>(&first);
+  const bool isMeshNeeded = std::holds_alternative<Mesh>(second) && arguments.as.empty();
+  const auto dense = [&](MeshFieldOrBand& shape) { return withoutBand(std::move(shape), arguments.machine); };
+  writePng(arguments.picture, band && !isMeshNeeded ? drawBand(*band, second, arguments)
+                                                    : drawDense(dense(first), dense(second), arguments));
   printWritten(arguments.picture);
 }
 

@@ -2,6 +2,7 @@
 
 #include <raymap/field.h>
 #include <raymap/grid.h>
+#include <raymap/sparse_field.h>
 
 #include <cstdint>
 #include <optional>
@@ -52,6 +53,8 @@ struct RenderOptions {
   /// Second field. Its distances less those of the first colour slice, cut face and surface: blue below 0,
   /// red above. If it is on another grid, it is sampled on that of the first.
   const Field* other = nullptr;
+  /// A narrow band as the second field, in place of `other`. The first one must be a band too.
+  const SparseField* otherBand = nullptr;
   double range = 0.0;  ///< Least difference in the deepest colour, in the mesh's units; 0 = the spacing.
   bool operator==(const RenderOptions&) const = default;
 };

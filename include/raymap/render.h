@@ -33,9 +33,15 @@ namespace raymap {
 RAYMAP_API Picture renderField(const Field& field, const RenderOptions& options = {},
                                const MachineOptions& machine = {});
 /// Draws a narrow band in the same way, on the CPU. Rays pass cubes of samples without leaves at once, and
-/// the hits are those of the field that `toDense` makes of it. `array` and `other` must not be set. Of
-/// `machine`, `threads` and `progress` count. Throws `Error`: Usage, Input if a distance is not finite,
-/// Cancelled.
+/// the hits are those of the field that `toDense` makes of it. Winding numbers and confidences are violet
+/// where they are not known: around samples in no leaf.
+///
+/// `other` or `otherBand` is read at the positions themselves, on whatever grid. Where a distance is clamped,
+/// the difference is known only to be at least, or at most, what the values give. It is in the deepest colour
+/// if that is beyond `range`, else violet.
+///
+/// Of `machine`, `threads` and `progress` count. Throws `Error`: Usage, Input if a number to draw is not
+/// finite, Cancelled.
 RAYMAP_API Picture renderField(const SparseField& band, const RenderOptions& options = {},
                                const MachineOptions& machine = {});
 

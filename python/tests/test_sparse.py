@@ -74,7 +74,7 @@ def test_bands_are_compared_as_their_dense_fields(ball, band):
     assert band.compare(other, "winding")["differences"] == 0
     with pytest.raises(raymap.UsageError, match="other is a Field; compare two fields, or two narrow bands"):
         band.compare(band.to_dense())
-    with pytest.raises(raymap.UsageError, match="no array 'winding'"):
+    with pytest.raises(raymap.UsageError, match="has no winding numbers"):
         band.compare(raymap.generate(ball, resolution=40, band=3, sparse=True), "winding")
 
 
@@ -86,7 +86,7 @@ def test_slices_are_those_of_the_dense_field(band):
             np.testing.assert_array_equal(band.slice(axis, index, array=array, width=60), expected)
     with pytest.raises(raymap.UsageError, match="index 40 is out of range"):
         band.slice("x", 40)
-    with pytest.raises(raymap.UsageError, match="has no array 'winding'"):
+    with pytest.raises(raymap.UsageError, match="has no winding numbers"):
         raymap.SparseField.from_dense(raymap.Field(dense.distance)).slice("x", array="winding")
 
 

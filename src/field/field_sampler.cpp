@@ -9,6 +9,15 @@
 
 namespace raymap {
 
+namespace {
+
+std::string valuesOf(FieldArray array) {
+  constexpr const char* kValues[] = {"distances", "winding numbers", "confidences", "triangles"};
+  return kValues[static_cast<size_t>(array)];
+}
+
+}  // namespace
+
 void validateGrid(const Grid& grid) {
   const glm::ivec3 dims = grid.dims;
   require(glm::all(glm::greaterThan(dims, glm::ivec3(0))),
@@ -26,8 +35,7 @@ void validateField(const Field& field) {
 }
 
 void validateArray(const Field& field, FieldArray array) {
-  constexpr const char* kValues[] = {"distances", "winding numbers", "confidences", "triangles"};
-  const std::string values = kValues[static_cast<size_t>(array)];
+  const std::string values = valuesOf(array);
   const size_t count = array == FieldArray::Triangle ? field.triangle.size() : numbersOf(field, array).size();
   if (count == 0) throw Error(ErrorCode::Usage, "the field is empty: it has no " + values);
   validateGrid(field.grid);
@@ -37,10 +45,12 @@ void validateArray(const Field& field, FieldArray array) {
                                       " samples");
 }
 
-const Buffer<float>& numbersOf(const Field& field, FieldArray array) {
-  return array == FieldArray::Winding      ? field.winding
-         : array == FieldArray::Confidence ? field.confidence
-                                           : field.distance;
+void validateArray(const SparseField& band, FieldArray array) {
+  validate(band);
+  const bool isThere = array == FieldArray::Triangle   ? !band.triangle.empty()
+                       : array == FieldArray::Distance ? true
+                                                       : !numbersOf(band, array).empty();
+  require(isThere, "the narrow band has no " + valuesOf(array) + "; ask for them in the options of the band");
 }
 
 }  // namespace raymap

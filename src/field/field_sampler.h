@@ -22,8 +22,15 @@ void validateField(const Field& field);
 void validateArray(const Field& field, FieldArray array);
 /// Throws `Error(Usage)` unless the grid is valid, and each array that is not empty has 512 values per leaf.
 void validateField(const SparseField& band);
+/// Throws `Error(Usage)` as `validate` does, and unless the band has this array.
+void validateArray(const SparseField& band, FieldArray array);
 /// Returns an array of numbers: any but the triangles.
-const Buffer<float>& numbersOf(const Field& field, FieldArray array);
+template <class AnyField>
+const Buffer<float>& numbersOf(const AnyField& field, FieldArray array) {
+  return array == FieldArray::Winding      ? field.winding
+         : array == FieldArray::Confidence ? field.confidence
+                                           : field.distance;
+}
 
 /// Computes the distances and the gradients at all points; null = not wanted. See raymap/sample.h. Throws
 /// `Error(Usage)` as `validateField` does.

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 #include "field/sparse_reader.h"
@@ -31,6 +32,8 @@ class LeafTree {
   int64_t find(const glm::ivec3& sample) const;
   /// Returns the block of a sample on the lattice.
   SparseBlock blockWith(const glm::ivec3& sample) const;
+  /// Returns the block in another array of the band: NaN without a leaf.
+  SparseBlock blockWith(const glm::ivec3& sample, const Buffer<float>& numbers) const;
   /// Returns the largest cube without leaves, of those that the tree knows, around a sample on the lattice.
   /// Its samples beyond the lattice do not count.
   std::optional<EmptyCube> emptyCube(const glm::ivec3& sample) const;
@@ -54,6 +57,10 @@ class LeafTree {
     return side == kInside ? -float(band_.inside) : float(band_.outside);
   }
   Slot slotOf(const glm::ivec3& sample) const;
+  static SparseBlock leafBlock(int64_t leaf, const Buffer<float>& numbers, float elsewhere) {
+    if (leaf < 0) return {nullptr, elsewhere};
+    return {numbers.data() + size_t(leaf) * SparseField::kLeafSamples, 0.0f};
+  }
   Node& nodeWith(const glm::ivec3& sample, int bits);
   void addTile(const SparseField::Tile& tile);
 
@@ -77,8 +84,11 @@ inline int64_t LeafTree::find(const glm::ivec3& sample) const {
 
 inline SparseBlock LeafTree::blockWith(const glm::ivec3& sample) const {
   const int64_t leaf = slotOf(sample).content;
-  if (leaf < 0) return {nullptr, distanceOf(leaf)};
-  return {band_.distance.data() + size_t(leaf) * SparseField::kLeafSamples, 0.0f};
+  return leafBlock(leaf, band_.distance, distanceOf(leaf));
+}
+
+inline SparseBlock LeafTree::blockWith(const glm::ivec3& sample, const Buffer<float>& numbers) const {
+  return leafBlock(slotOf(sample).content, numbers, std::numeric_limits<float>::quiet_NaN());
 }
 
 inline std::optional<LeafTree::EmptyCube> LeafTree::emptyCube(const glm::ivec3& sample) const {

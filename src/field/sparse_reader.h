@@ -6,12 +6,12 @@
 
 namespace raymap {
 
-/// Distances of a cube of 8 x 8 x 8 samples: those of a leaf, or one for all its samples on the lattice.
+/// Numbers of a cube of 8 x 8 x 8 samples: those of a leaf, or one for all its samples on the lattice.
 struct SparseBlock {
   const float* values = nullptr;  ///< Null without a leaf.
   float constant = 0.0f;
 
-  /// Returns the distance of a sample of the block.
+  /// Returns the number of a sample of the block.
   float at(const glm::ivec3& sample) const {
     constexpr int kSide = SparseField::kLeafSide;
     const glm::ivec3 within = sample & (kSide - 1);

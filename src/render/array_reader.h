@@ -1,11 +1,5 @@
 #pragma once
 
-#include <raymap/names.h>
-
-#include <limits>
-#include <string>
-
-#include "base/require.h"
 #include "field/field_sampler.h"
 #include "field/leaf_tree.h"
 
@@ -37,17 +31,14 @@ class BandArray {
  public:
   /// Throws `Error(Usage)` if the band has no such array.
   BandArray(const SparseField& band, FieldArray kind)
-      : tree_((check(band, kind), band)),
-        kind_(kind),
-        numbers_(kind == FieldArray::Winding ? band.winding : band.confidence) {}
+      : tree_((validateArray(band, kind), band)), kind_(kind), numbers_(numbersOf(band, kind)) {}
 
   const Grid& grid() const { return tree_.band().grid; }
   FieldArray kind() const { return kind_; }
   double clampDistance() const { return clampDistanceOf(tree_.band()); }
   float operator()(const glm::ivec3& sample) const {
-    if (kind_ == FieldArray::Distance) return tree_.blockWith(sample).at(sample);
-    const int64_t place = tree_.find(sample);
-    return place < 0 ? std::numeric_limits<float>::quiet_NaN() : numbers_[size_t(place)];
+    return (kind_ == FieldArray::Distance ? tree_.blockWith(sample) : tree_.blockWith(sample, numbers_))
+        .at(sample);
   }
   uint32_t triangle(const glm::ivec3& sample) const {
     const int64_t place = tree_.find(sample);
@@ -60,16 +51,6 @@ class BandArray {
   }
 
  private:
-  static void check(const SparseField& band, FieldArray kind) {
-    validate(band);
-    const bool isThere = kind == FieldArray::Distance     ? true
-                         : kind == FieldArray::Winding    ? !band.winding.empty()
-                         : kind == FieldArray::Confidence ? !band.confidence.empty()
-                                                          : !band.triangle.empty();
-    require(isThere, "the narrow band has no array '" + std::string(name(kind)) +
-                         "'; ask for it in the options of the band");
-  }
-
   LeafTree tree_;
   FieldArray kind_;
   const Buffer<float>& numbers_;

@@ -85,7 +85,7 @@ class FieldPair {
 };
 
 /// A box of samples. In a uniform one, each field has the same value everywhere.
-struct Part {
+struct SampleBox {
   glm::ivec3 low, high;
   bool isUniform = false;
 
@@ -93,7 +93,7 @@ struct Part {
     const glm::ivec3 size = high - low;
     return size_t(size.x) * size_t(size.y) * size_t(size.z);
   }
-  /// Calls `visit(sample, count)` for each sample, or once for all those of a uniform part.
+  /// Calls `visit(sample, count)` for each sample, or once for all those of a uniform one.
   template <class Visit>
   void forEach(Visit&& visit) const {
     if (isUniform) return visit(low, samples());
@@ -103,44 +103,44 @@ struct Part {
   }
 };
 
-/// Parts that hold all samples once, and how many of them are one task.
-struct Parts {
-  std::vector<Part> list;
+/// Boxes that hold all samples once, and how many of them are one task.
+struct SampleBoxes {
+  std::vector<SampleBox> list;
   size_t perTask = 1;
 };
 
 /// Returns the sheets of the grid.
-Parts partsOf(const DenseArray& a, const DenseArray&) {
+SampleBoxes boxesOf(const DenseArray& a, const DenseArray&) {
   const glm::ivec3 dims = a.grid().dims;
-  Parts parts;
-  for (int k = 0; k < dims.z; ++k) parts.list.push_back({{0, 0, k}, {dims.x, dims.y, k + 1}});
-  return parts;
+  SampleBoxes boxes;
+  for (int k = 0; k < dims.z; ++k) boxes.list.push_back({{0, 0, k}, {dims.x, dims.y, k + 1}});
+  return boxes;
 }
 
-/// Adds the parts of a cube of samples: the largest cubes without leaves in either band, and those of 8 x 8 x
+/// Adds the boxes of a cube of samples: the largest cubes without leaves in either band, and those of 8 x 8 x
 /// 8 samples.
-void addParts(const BandArray& a, const BandArray& b, const glm::ivec3& low, int side,
-              std::vector<Part>& parts) {
+void addBoxes(const BandArray& a, const BandArray& b, const glm::ivec3& low, int side,
+              std::vector<SampleBox>& boxes) {
   const glm::ivec3 dims = a.grid().dims;
   if (glm::any(glm::greaterThanEqual(low, dims))) return;
   const bool isUniform = std::min(a.emptySide(low), b.emptySide(low)) >= side;
   if (isUniform || side == SparseField::kLeafSide) {
-    parts.push_back({low, glm::min(low + side, dims), isUniform});
+    boxes.push_back({low, glm::min(low + side, dims), isUniform});
     return;
   }
   for (int child = 0; child < 8; ++child)
-    addParts(a, b, low + side / 2 * glm::ivec3(child & 1, child >> 1 & 1, child >> 2), side / 2, parts);
+    addBoxes(a, b, low + side / 2 * glm::ivec3(child & 1, child >> 1 & 1, child >> 2), side / 2, boxes);
 }
 
-Parts partsOf(const BandArray& a, const BandArray& b) {
+SampleBoxes boxesOf(const BandArray& a, const BandArray& b) {
   const glm::ivec3 dims = a.grid().dims;
-  Parts parts{.list = {}, .perTask = 1024};
+  SampleBoxes boxes{.list = {}, .perTask = 1024};
   const auto longest = uint32_t(std::max({dims.x, dims.y, dims.z, SparseField::kLeafSide}));
-  addParts(a, b, glm::ivec3(0), int(std::bit_ceil(longest)), parts.list);
-  return parts;
+  addBoxes(a, b, glm::ivec3(0), int(std::bit_ceil(longest)), boxes.list);
+  return boxes;
 }
 
-/// Result of some parts, with the sums for the means.
+/// Result of some boxes, with the sums for the means.
 struct Tally {
   Comparison result;
   double sum = 0.0;
@@ -191,12 +191,12 @@ Comparison joinTallies(const std::vector<Tally>& tallies) {
 }
 
 template <class Array>
-Comparison comparePair(const FieldPair<Array>& pair, const Parts& parts) {
-  std::vector<Tally> tallies((parts.list.size() + parts.perTask - 1) / parts.perTask);
+Comparison comparePair(const FieldPair<Array>& pair, const SampleBoxes& boxes) {
+  std::vector<Tally> tallies((boxes.list.size() + boxes.perTask - 1) / boxes.perTask);
   parallelFor(tallies.size(), 1, [&](size_t t, size_t) {
-    const size_t end = std::min((t + 1) * parts.perTask, parts.list.size());
-    for (size_t part = t * parts.perTask; part < end; ++part)
-      parts.list[part].forEach(
+    const size_t end = std::min((t + 1) * boxes.perTask, boxes.list.size());
+    for (size_t box = t * boxes.perTask; box < end; ++box)
+      boxes.list[box].forEach(
           [&](const glm::ivec3& sample, size_t count) { tallies[t].add(pair, sample, count); });
   });
   return joinTallies(tallies);
@@ -204,14 +204,14 @@ Comparison comparePair(const FieldPair<Array>& pair, const Parts& parts) {
 
 /// Returns the slice with the most finite samples whose values `isCounted` counts, as {axis, index}.
 template <class Array, class Counted>
-glm::ivec2 mostDifferentSlice(const FieldPair<Array>& pair, const Parts& parts, Counted&& isCounted) {
+glm::ivec2 mostDifferentSlice(const FieldPair<Array>& pair, const SampleBoxes& boxes, Counted&& isCounted) {
   std::array<std::vector<size_t>, 3> counts;
   for (int a = 0; a < 3; ++a) counts[a].resize(size_t(pair.grid().dims[a]));
-  for (const Part& part : parts.list)
-    part.forEach([&](const glm::ivec3& sample, size_t count) {
+  for (const SampleBox& box : boxes.list)
+    box.forEach([&](const glm::ivec3& sample, size_t count) {
       const TwoValues two = pair.at(sample);
       if (!two.areFinite() || !isCounted(two)) return;
-      const glm::ivec3 size = part.isUniform ? part.high - part.low : glm::ivec3(1);
+      const glm::ivec3 size = box.isUniform ? box.high - box.low : glm::ivec3(1);
       for (int axis = 0; axis < 3; ++axis)
         for (int index = sample[axis]; index < sample[axis] + size[axis]; ++index)
           counts[size_t(axis)][size_t(index)] += count / size_t(size[axis]);
@@ -258,8 +258,8 @@ class SurfaceLines {
 };
 
 template <class Array>
-Picture renderTriangles(const FieldPair<Array>& pair, const Parts& parts, int width) {
-  const glm::ivec2 slice = mostDifferentSlice(pair, parts, [](const TwoValues& two) { return two.differ; });
+Picture renderTriangles(const FieldPair<Array>& pair, const SampleBoxes& boxes, int width) {
+  const glm::ivec2 slice = mostDifferentSlice(pair, boxes, [](const TwoValues& two) { return two.differ; });
   const SliceView view(pair.grid(), slice[0], slice[1]);
   return view.paint(width, [&](glm::dvec2 at) {
     return pair.at(view.nearest(at)).differ ? srgb(208, 58, 52) : srgb(238, 239, 241);
@@ -270,13 +270,13 @@ template <class Array>
 Picture renderArrays(const Array& a, const Array& b, int width) {
   makePicture(width, 1);  // Throws for an invalid width, by which `pixelSize` divides.
   const FieldPair pair(a, b);
-  const Parts parts = partsOf(a, b);
-  if (a.kind() == FieldArray::Triangle) return renderTriangles(pair, parts, width);
-  const Comparison comparison = comparePair(pair, parts);
+  const SampleBoxes boxes = boxesOf(a, b);
+  if (a.kind() == FieldArray::Triangle) return renderTriangles(pair, boxes, width);
+  const Comparison comparison = comparePair(pair, boxes);
   const bool showsSigns = comparison.signDifferences > 0;
   const auto inSign = [&](const TwoValues& two) { return pair.differInSign(two); };
   const glm::ivec2 slice =
-      showsSigns ? mostDifferentSlice(pair, parts, inSign) : glm::ivec2(2, comparison.worstSample.z);
+      showsSigns ? mostDifferentSlice(pair, boxes, inSign) : glm::ivec2(2, comparison.worstSample.z);
   const SliceView view(a.grid(), slice[0], slice[1]);
   const SurfaceLines lines(view, view.pixelSize(width));
   const double scale = comparison.maxError > 0.0 ? 1.0 / comparison.maxError : 0.0;
@@ -291,7 +291,7 @@ Picture renderArrays(const Array& a, const Array& b, int width) {
 
 template <class Array>
 Comparison compareArrays(const Array& a, const Array& b) {
-  return comparePair(FieldPair(a, b), partsOf(a, b));
+  return comparePair(FieldPair(a, b), boxesOf(a, b));
 }
 
 }  // namespace

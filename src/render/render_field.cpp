@@ -32,6 +32,31 @@ void drawOnCpu(const DrawnScene& scene, Progress& progress, Picture& picture) {
   });
 }
 
+void checkOptions(const RenderOptions& options) {
+  checkPictureSize(options.width, options.height);
+  require(options.array != FieldArray::Triangle,
+          "a surface has no colours of triangles; draw a slice of them");
+  require(!options.other || !options.otherBand,
+          "a picture shows the difference from one field; leave out the dense one or the band");
+  require((!options.other && !options.otherBand) || options.array == FieldArray::Distance,
+          "a picture shows the difference of two fields or the array '" + std::string(name(options.array)) +
+              "', not both");
+}
+
+[[noreturn]] void refuseNumber(FieldArray array, const char* of, float number, const std::string& where) {
+  throw Error(ErrorCode::Input, "the array '" + std::string(name(array)) + "' of the " + of + " is " +
+                                    numberText(number) + " at " + where +
+                                    ": its colours need finite numbers; leave the array out");
+}
+
+/// Returns the sample of a place in a narrow band's arrays.
+glm::ivec3 sampleOf(const SparseField& band, size_t place) {
+  constexpr int kSide = SparseField::kLeafSide;
+  const int within = int(place % SparseField::kLeafSamples);
+  return band.leaves[place / SparseField::kLeafSamples] +
+         glm::ivec3(within % kSide, within / kSide % kSide, within / (kSide * kSide));
+}
+
 }  // namespace
 
 Picture renderScene(const DrawnScene& scene, const RenderOptions& options, const MachineOptions& machine) {
@@ -50,20 +75,25 @@ void checkNumbers(const Field& field, FieldArray array) {
   const Buffer<float>& numbers = numbersOf(field, array);
   const auto* odd = std::ranges::find_if_not(numbers, [](float number) { return std::isfinite(number); });
   if (odd != numbers.end())
-    throw Error(ErrorCode::Input, "the array '" + std::string(name(array)) + "' of the field is " +
-                                      numberText(*odd) + " at index " +
-                                      std::to_string(odd - numbers.begin()) +
-                                      ": its colours need finite numbers; leave the array out");
+    refuseNumber(array, "field", *odd, "index " + std::to_string(odd - numbers.begin()));
+}
+
+void checkNumbers(const SparseField& band, FieldArray array) {
+  validateArray(band, array);
+  const Buffer<float>& numbers = numbersOf(band, array);
+  for (size_t place = 0; place < numbers.size(); ++place) {
+    if (std::isfinite(numbers[place])) continue;
+    const glm::ivec3 sample = sampleOf(band, place);
+    if (glm::any(glm::greaterThanEqual(sample, band.grid.dims))) continue;
+    refuseNumber(array, "narrow band", numbers[place],
+                 "sample (" + std::to_string(sample.x) + ", " + std::to_string(sample.y) + ", " +
+                     std::to_string(sample.z) + ")");
+  }
 }
 
 Picture renderField(const Field& field, const RenderOptions& options, const MachineOptions& machine) {
   validateField(field);
-  checkPictureSize(options.width, options.height);
-  if (options.array == FieldArray::Triangle)
-    throw Error(ErrorCode::Usage, "a surface has no colours of triangles; draw a slice of them");
-  if (options.other && options.array != FieldArray::Distance)
-    throw Error(ErrorCode::Usage, "a picture shows the difference of two fields or the array '" +
-                                      std::string(name(options.array)) + "', not both");
+  checkOptions(options);
   if (options.array != FieldArray::Distance) checkNumbers(field, options.array);
   if (options.other) checkNumbers(*options.other, FieldArray::Distance);
   Picture picture;
@@ -81,10 +111,10 @@ Picture renderField(const Field& field, const RenderOptions& options, const Mach
 
 Picture renderField(const SparseField& band, const RenderOptions& options, const MachineOptions& machine) {
   validate(band);
-  checkPictureSize(options.width, options.height);
-  require(options.array == FieldArray::Distance && !options.other,
-          "a picture of a narrow band shows its distances alone; draw a slice of another array, and leave "
-          "out the second field");
+  checkOptions(options);
+  if (options.array != FieldArray::Distance) checkNumbers(band, options.array);
+  if (options.other) checkNumbers(*options.other, FieldArray::Distance);
+  if (options.otherBand) checkNumbers(*options.otherBand, FieldArray::Distance);
   MachineOptions onCpu = machine;
   onCpu.device = "cpu";
   Picture picture;

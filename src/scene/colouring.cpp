@@ -1,6 +1,7 @@
 #include "scene/colouring.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace raymap {
 
@@ -16,6 +17,7 @@ std::vector<Colouring::Stop> stopsAt(std::initializer_list<double> numbers, Colo
 }  // namespace
 
 Colour Colouring::at(double number) const {
+  if (std::isnan(number)) return kNotFinite;
   Colour mixed = stops[0].colour;
   for (size_t i = 1; i < stops.size(); ++i) {
     const double low = stops[i - 1].number, high = stops[i].number;

@@ -19,6 +19,7 @@ struct Colouring {
   double lineStep = 1.0;         ///< Distance between iso-lines.
   bool isOnSurface = false;      ///< Whether they colour the surface too.
 
+  /// Returns the colour of a number, and for NaN that of numbers which are not known.
   Colour at(double number) const;
 };
 

@@ -18,6 +18,22 @@ DrawnField::DrawnField(const SparseField& band)
       space_(std::in_place, band),
       sparse_(SparseSampler({band.grid.dims, TreeReader{tree_.get()}}, band.grid.spacing)) {}
 
+DrawnField::Reading DrawnField::reading(const glm::dvec3& p) const {
+  constexpr double kNearly = 1.0 - 1e-6;  // Files round clamped distances, and so do units.
+  const glm::ivec3 dims = grid().dims;
+  const glm::dvec3 q = glm::clamp(p, glm::dvec3(0.0), last());
+  const glm::ivec3 cell = glm::min(glm::ivec3(q), glm::max(dims - 2, 0));
+  Reading found{.value = value(p), .mayBeLess = false, .mayBeMore = q != p};
+  for (int corner = 0; corner < 8; ++corner) {
+    const glm::ivec3 sample = glm::min(cell + glm::ivec3(corner & 1, corner >> 1 & 1, corner >> 2), dims - 1);
+    const float distance =
+        dense_ ? dense_->distance[dense_->grid.index(sample)] : tree_->blockWith(sample).at(sample);
+    found.mayBeLess |= distance <= -kNearly * inside_;
+    found.mayBeMore |= distance >= kNearly * outside_;
+  }
+  return found;
+}
+
 std::optional<DrawnField::Plateau> DrawnField::plateau(const glm::dvec3& p,
                                                        const glm::dvec3& direction) const {
   if (dense_) return std::nullopt;

@@ -25,10 +25,19 @@ class DrawnField {
     double length;
   };
 
+  /// A value between samples. Where some are clamped, the distance may lie beyond it.
+  struct Reading {
+    double value;
+    bool mayBeLess;  ///< A sample is clamped inside.
+    bool mayBeMore;  ///< A sample is clamped outside, or the point lies outside of the grid.
+  };
+
   /// Returns the dense field, or null for a narrow band.
   const Field* dense() const { return dense_; }
   /// Returns the narrow band, or null for a dense field.
   const SparseField* band() const { return tree_ ? &tree_->band() : nullptr; }
+  /// Returns the tree of the narrow band, or null for a dense field.
+  const LeafTree* tree() const { return tree_.get(); }
   const Grid& grid() const { return dense_ ? dense_->grid : tree_->band().grid; }
   /// Returns whether the samples are in the host's memory.
   bool hasSamples() const { return !dense_ || !dense_->distance.empty(); }
@@ -42,6 +51,8 @@ class DrawnField {
   glm::dvec3 gradient(const glm::dvec3& p) const {
     return dense_ ? whole_->gradient(p) : sparse_->gradient(p);
   }
+  /// Returns a value as `value` does, and whether the samples around the point are clamped.
+  Reading reading(const glm::dvec3& p) const;
   /// Returns the plateau on which a ray goes on from a point, if samples without leaves surround the point.
   std::optional<Plateau> plateau(const glm::dvec3& p, const glm::dvec3& direction) const;
 

@@ -4,9 +4,9 @@
 
 #include "scene/camera.h"
 #include "scene/colour.h"
-#include "scene/colouring.h"
 #include "scene/scene_shared.h"
 #include "scene/shape.h"
+#include "scene/shown_numbers.h"
 
 namespace raymap {
 
@@ -20,42 +20,10 @@ inline const Colour kBackgroundBottom = srgb(222, 226, 231);
 /// Direction to the light, along the camera's right and forward and the scene's up.
 inline constexpr glm::dvec3 kLightOfCamera{-0.45, -0.55, 0.95};
 
-/// Numbers in colour on slice, cut face and surface.
-class ShownNumbers {
- public:
-  /// Keeps references to both fields. Shows what the options say: an array, or the difference of two fields.
-  ShownNumbers(const Field& field, const RenderOptions& options)
-      : colouring_(options.other
-                       ? differenceColouring(options.range > 0.0 ? options.range / field.grid.spacing : 1.0)
-                       : colouringOf(options.array)),
-        numbers_(numbersOf(options.other ? *options.other : field, options.array)),
-        between_(field.grid.dims, numbers_.data()),
-        base_(field.grid.dims, field.distance.data()),
-        scale_(options.other ? 1.0 / field.grid.spacing : 1.0),
-        isDifference_(options.other != nullptr) {}
-
-  /// Returns the number at a point in sample coordinates; differences are in samples.
-  double at(const glm::dvec3& p) const {
-    const glm::dvec3 q = glm::clamp(p, glm::dvec3(0.0), between_.last());
-    return scale_ * (between_(q) - (isDifference_ ? base_(q) : 0.0));
-  }
-  const Colouring& colouring() const { return colouring_; }
-  /// Returns the winding numbers, confidences, or distances of the second field.
-  const Buffer<float>& numbers() const { return numbers_; }
-  bool isDifference() const { return isDifference_; }
-
- private:
-  Colouring colouring_;
-  const Buffer<float>& numbers_;
-  Trilinear<double> between_, base_;
-  double scale_;
-  bool isDifference_;
-};
-
 /// Contents of a picture, to be drawn on any device. One round light and a sky light the shape. A bright
 /// floor shows only the shadow.
 struct DrawnScene {
-  /// Throws as `renderField` does. Of a narrow band, only distances can be shown.
+  /// Throws as `renderField` does.
   DrawnScene(DrawnField field, const RenderOptions& options)
       : up(unitVector(options.up, "up vector")),
         shape(std::move(field), options),
@@ -64,9 +32,11 @@ struct DrawnScene {
                                kLightOfCamera.z * up)),
         lineStep(roundedUp(shape.depth() / 12.0 * spacing()) / spacing()) {
     if (options.slice) slice = toSamples(*options.slice, shape.field().grid());
-    if (options.other || options.array != FieldArray::Distance)
-      numbers.emplace(*shape.field().dense(), options);
+    if (options.other || options.otherBand || options.array != FieldArray::Distance)
+      numbers.emplace(shape.field(), options);
   }
+
+  DrawnScene(const DrawnScene&) = delete;  // `numbers` keeps a reference to the shape's field.
 
   double spacing() const { return shape.field().grid().spacing; }
 

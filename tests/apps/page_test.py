@@ -178,7 +178,7 @@ class Page(unittest.TestCase):
 
     def canvas(self, page):
         """Returns a browser that shows the page's canvas in the pictures' size."""
-        browser = self.browse(page)
+        browser = self.browse(page, width=500, height=440)  # The first picture, which fills a part of it, is soon drawn.
         browser.wait()
         browser.run("""const style = document.getElementById("canvas").style;
           [style.width, style.height] = [arguments[0] + "px", arguments[1] + "px"];""", *SIZE)

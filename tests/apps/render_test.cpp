@@ -88,14 +88,36 @@ TEST_F(CliRender, DrawsNarrowBands) {
   writeBand(path("band.vdb"), band);
   const RenderOptions options{.width = 64, .height = 48};
   const auto expectDrawn = [&](const std::string& arguments, const Picture& expected) {
-    succeed("render band.vdb -o p.png --size 64 48 " + arguments);
+    succeed("render band.vdb " + arguments + " -o p.png --size 64 48");
     writePng(path("expected.png"), expected);
     EXPECT_EQ(readBytes(path("p.png")), readBytes(path("expected.png")));
   };
   expectDrawn("", renderField(band, options));
   expectDrawn("--slice x --index 7", renderSlice(band, 0, 7, 64));
   expectDrawn("--slice z --as winding", renderSlice(band, 2, -1, 64, FieldArray::Winding));
-  expectFailure("render band.vdb -o n.png --as winding", ErrorCode::Usage, "distances alone");
+  RenderOptions ofWinding = options;
+  ofWinding.cut = true;
+  ofWinding.array = FieldArray::Winding;
+  expectDrawn("--cut --as winding", renderField(band, ofWinding));
+  // Two of them, of which neither becomes dense, and one beside a dense field or a mesh.
+  const Mesh small = shapes::sphere(0.99, 2);
+  const SparseField other = Surface(small).generateBand(fitGrid(small, {.resolution = 258}));
+  writeBand(path("other.vdb"), other);
+  RenderOptions ofBoth = options;
+  ofBoth.otherBand = &other;
+  ofBoth.range = 0.02;
+  expectDrawn("other.vdb --range 0.02", renderField(band, ofBoth));
+  expectDrawn("other.vdb --cut --as winding", renderField(band, ofWinding));
+  writeMesh(path("small.ply"), small);
+  expectDrawn("small.ply --cut --as winding", renderField(band, ofWinding));
+  succeed("generate small.ply -o dense.nrrd --resolution 40");
+  const Field dense = readField(path("dense.nrrd"));
+  ofBoth.otherBand = nullptr;
+  ofBoth.other = &dense;
+  expectDrawn("dense.nrrd --range 0.02", renderField(band, ofBoth));
+  expectFailure("render band.vdb other.vdb -o n.png --device vulkan", ErrorCode::Usage, "drawn on the CPU");
+  expectFailure("render band.vdb other.vdb -o n.png --as confidence", ErrorCode::Usage, "leave out --as");
+  expectFailure("render band.vdb -o n.png --as confidence", ErrorCode::Usage, "leave out --as");
   expectFailure("render band.vdb -o n.png --slice z --as confidence", ErrorCode::Usage, "leave out --as");
   expectFailure("render band.vdb -o n.png --device vulkan", ErrorCode::Usage, "drawn on the CPU");
 }

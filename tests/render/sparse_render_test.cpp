@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 #include <random>
+#include <string>
 #include <vector>
 
 #include "analytic_fields.h"
@@ -17,6 +18,7 @@
 #include "field/leaf_tree.h"
 #include "scene/camera.h"
 #include "scene/shape.h"
+#include "scene/shown_numbers.h"
 #include "shapes.h"
 
 namespace raymap {
@@ -188,6 +190,154 @@ TEST(SparseRender, PicturesAreThoseOfTheDenseField) {
   }
 }
 
+/// Returns the dense field, with a number in place of those that the band does not have.
+Field filled(const SparseField& band, float unknown) {
+  Field field = toDense(band);
+  for (Buffer<float>* numbers : {&field.winding, &field.confidence})
+    for (float& number : *numbers)
+      if (std::isnan(number)) number = unknown;
+  return field;
+}
+
+glm::ivec3 pixelOf(const Picture& picture, size_t n) {
+  return {picture.rgb[3 * n], picture.rgb[3 * n + 1], picture.rgb[3 * n + 2]};
+}
+
+/// Numbers of pixels of a band's picture.
+struct Pixels {
+  size_t known = 0;    ///< Those whose colour does not depend on numbers that are not known.
+  size_t apart = 0;    ///< Known ones whose colour is not that of the dense field.
+  size_t unknown = 0;  ///< Those in the colour of numbers that are not known.
+  size_t mixed = 0;    ///< Others.
+};
+
+/// Compares a picture with those of two dense fields, which differ in the numbers that the band does not
+/// have.
+Pixels countPixels(const Picture& picture, const Picture& a, const Picture& b) {
+  Pixels found;
+  for (size_t n = 0; n < picture.rgb.size() / 3; ++n) {
+    const glm::ivec3 pixel = pixelOf(picture, n), expected = pixelOf(a, n);
+    const glm::ivec3 away = glm::abs(pixel - expected);
+    if (expected == pixelOf(b, n)) {
+      ++found.known;
+      found.apart += std::max({away.x, away.y, away.z}) > 8;
+    } else if (pixel == glm::ivec3(140, 60, 160)) {
+      ++found.unknown;
+    } else {
+      ++found.mixed;
+    }
+  }
+  return found;
+}
+
+TEST(SparseRender, ArraysHaveTheColoursOfTheDenseField) {
+  const Mesh mesh = withHoles(shapes::torus(1.0, 0.35, 40, 20), 3, 0.2, 7);
+  const SparseField band =
+      Surface(mesh).generateBand(fitGrid(mesh, {.resolution = 180}), {.winding = true, .confidence = true});
+  const Field low = filled(band, 0.0f), high = filled(band, 0.7f);
+  const RenderOptions view{.width = 100, .height = 75};
+  RenderOptions cut = view, sliced = view;
+  cut.cut = true;
+  sliced.slice = Plane{.normal = {1, 0, 1}, .offset = 0.3};
+  for (const FieldArray array : {FieldArray::Winding, FieldArray::Confidence})
+    for (RenderOptions options : {view, cut, sliced}) {
+      const bool isSurfaceAlone = options == view;
+      const Picture plain = renderField(band, options);
+      options.array = array;
+      const Picture picture = renderField(band, options, {.threads = 1});
+      const Pixels found = countPixels(picture, renderField(low, options, {.device = "cpu"}),
+                                       renderField(high, options, {.device = "cpu"}));
+      EXPECT_GT(found.known, 4500u);
+      EXPECT_LE(found.apart, 7u);  // One in a thousand, at edges of shadows.
+      EXPECT_EQ(found.unknown > 250, !isSurfaceAlone) << found.unknown;
+      EXPECT_LT(found.mixed, isSurfaceAlone ? 10u : 300u);
+      EXPECT_EQ(picture.rgb == plain.rgb, isSurfaceAlone && array == FieldArray::Winding);
+      EXPECT_EQ(picture.rgb, renderField(band, options, {.threads = 3}).rgb);
+    }
+}
+
+/// Two balls beside each other, on lattices of their own.
+struct Balls {
+  Field first = sampled(cube(80, 2.0), [](const glm::dvec3& p) { return analytic::sphere(p, 0.6); });
+  Field second = sampled(cube(96, 2.1), [](const glm::dvec3& p) {
+    return analytic::sphere(p - glm::dvec3(0.04, 0.0, 0.0), 0.63);
+  });
+};
+
+// The exact difference is that of the fields without a band.
+TEST(SparseRender, DifferencesAreExactOrBoundedByTheRange) {
+  const Balls balls;
+  const double h = balls.first.grid.spacing, range = 2.0;
+  const SparseField first = toSparse(balls.first, {.outside = 3.0, .inside = 5.0}),
+                    second = toSparse(balls.second, {.outside = 4.0, .inside = 3.0});
+  const Field clamped = toDense(toSparse(balls.second, {.outside = 4.0, .inside = 4.0}));
+  const DrawnField drawn(first);
+  const FieldSampler a(balls.first), b(balls.second);
+  std::mt19937 random(17);
+  std::uniform_real_distribution<double> share(0.0, 1.0);
+  for (const RenderOptions& options : {RenderOptions{.otherBand = &second, .range = range * h},
+                                       RenderOptions{.other = &clamped, .range = range * h},
+                                       RenderOptions{.other = &balls.second, .range = range * h}}) {
+    const ShownNumbers shown(drawn, options);
+    EXPECT_TRUE(shown.isDifference());
+    size_t exact = 0, beyond = 0, unknown = 0;
+    for (int i = 0; i < 200'000; ++i) {
+      const glm::dvec3 p = drawn.last() * glm::dvec3(share(random), share(random), share(random));
+      const glm::dvec3 q =
+          (balls.first.grid.position(p) - balls.second.grid.origin) / balls.second.grid.spacing;
+      const double expected = b.value(q) * balls.second.grid.spacing / h - a.value(p), found = shown.at(p);
+      if (std::isnan(found)) {
+        // A sample around the point is clamped, so that one of the distances is near the end of its band.
+        ++unknown;
+        ASSERT_TRUE(a.value(p) > 3.0 - 1.8 || a.value(p) < -5.0 + 1.8 || b.value(q) > 4.0 - 1.8 ||
+                    b.value(q) < -3.0 + 1.8);
+      } else if (std::abs(found - expected) < 1e-5) {
+        ++exact;
+      } else {
+        ++beyond;
+        ASSERT_GE(std::abs(found), range);
+        ASSERT_GE(expected / found, 1.0 - 1e-5) << found;  // On the same side, and no less.
+      }
+    }
+    EXPECT_GT(exact, 5000u);
+    EXPECT_GT(unknown, 50'000u);
+    EXPECT_GT(beyond, 100u);
+  }
+}
+
+TEST(SparseRender, DifferencesHaveTheColoursOfTheDenseFields) {
+  const auto ballOf = [](double radius, double x) {
+    return toSparse(sampled(cube(80, 2.0), [&](const glm::dvec3& p) {
+      return analytic::sphere(p - glm::dvec3(x, 0.0, 0.0), radius);
+    }));
+  };
+  const SparseField first = ballOf(0.6, 0.0), second = ballOf(0.61, 0.02);
+  const Field firstDense = toDense(first), secondDense = toDense(second);
+  RenderOptions ofBands{.width = 100, .height = 75, .otherBand = &second};
+  ofBands.range = 1.25 * first.grid.spacing;
+  RenderOptions ofFields = ofBands;
+  ofFields.otherBand = nullptr;
+  ofFields.other = &secondDense;
+  // All samples around the surface lie in both bands.
+  const Picture surface = renderField(first, ofBands);
+  EXPECT_LT(meanDifference(surface, renderField(firstDense, ofFields, {.device = "cpu"})), 0.5);
+  EXPECT_GT(meanDifference(surface, renderField(first, {.width = 100, .height = 75})), 2.0);
+  EXPECT_EQ(renderField(first, ofFields).rgb, surface.rgb);
+  // The middle of the cut face lies in none.
+  ofBands.cut = ofFields.cut = true;
+  const Picture cut = renderField(first, ofBands, {.threads = 1});
+  EXPECT_EQ(cut.rgb, renderField(first, ofBands, {.threads = 3}).rgb);
+  const Picture expected = renderField(firstDense, ofFields, {.device = "cpu"});
+  size_t same = 0, unknown = 0;
+  for (size_t n = 0; n < cut.rgb.size() / 3; ++n) {
+    const bool isUnknown = pixelOf(cut, n) == glm::ivec3(140, 60, 160);
+    unknown += isUnknown;
+    same += !isUnknown && pixelOf(cut, n) == pixelOf(expected, n);
+  }
+  EXPECT_GT(unknown, 500u);
+  EXPECT_GT(same + unknown, 7000u);
+}
+
 TEST(SparseRender, SlicesAreThoseOfTheDenseField) {
   for (const SparseField& band : someBands()) {
     const Field field = toDense(band);
@@ -217,11 +367,32 @@ TEST(SparseRender, RefusesWhatCannotBeDrawn) {
   EXPECT_EQ(codeWith({.iso = -4.0 * h}), ErrorCode::Usage);
   EXPECT_EQ(codeWith({.shell = 3.9 * h}), std::nullopt);
   EXPECT_EQ(codeWith({.shell = 4.0 * h}), ErrorCode::Usage);
-  EXPECT_EQ(codeWith({.array = FieldArray::Winding}), ErrorCode::Usage);
+  EXPECT_EQ(codeWith({.array = FieldArray::Winding}), std::nullopt);
+  EXPECT_EQ(codeWith({.array = FieldArray::Confidence}), ErrorCode::Usage);
+  EXPECT_EQ(codeWith({.array = FieldArray::Triangle}), ErrorCode::Usage);
   const Field other = toDense(band);
-  EXPECT_EQ(codeWith({.other = &other}), ErrorCode::Usage);
+  EXPECT_EQ(codeWith({.other = &other}), std::nullopt);
+  EXPECT_EQ(codeWith({.otherBand = &band}), std::nullopt);
+  EXPECT_EQ(codeWith({.other = &other, .otherBand = &band}), ErrorCode::Usage);
+  EXPECT_EQ(codeWith({.array = FieldArray::Winding, .otherBand = &band}), ErrorCode::Usage);
+  EXPECT_EQ(codeOf([&] { renderField(other, {.otherBand = &band}, {.device = "cpu"}); }), ErrorCode::Usage);
+  SparseField odd = toSparse(other, {.outside = 2.0, .inside = 2.0});
+  odd.distance[5] = NAN;
+  EXPECT_EQ(codeWith({.otherBand = &odd}), ErrorCode::Input);
   EXPECT_EQ(codeOf([&] { renderSlice(band, 0, -1, 9, FieldArray::Confidence); }), ErrorCode::Usage);
   EXPECT_EQ(codeOf([&] { renderSlice(band, 3); }), ErrorCode::Usage);
+  const glm::ivec3 sample = band.leaves[3] + glm::ivec3(2, 1, 0);
+  band.winding[3 * 512 + 10] = INFINITY;
+  EXPECT_EQ(codeWith({}), std::nullopt);
+  try {
+    renderField(band, {.array = FieldArray::Winding});
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ErrorCode::Input);
+    const std::string where = "sample (" + std::to_string(sample.x) + ", " + std::to_string(sample.y) + ", " +
+                              std::to_string(sample.z) + ")";
+    EXPECT_NE(std::string(error.what()).find(where), std::string::npos) << error.what();
+  }
   band.distance[5] = NAN;
   EXPECT_EQ(codeWith({}), ErrorCode::Input);
   band.leaves[1] = band.leaves[0];

@@ -26,7 +26,7 @@ namespace {
 /// Most points that a block is not halved for.
 constexpr size_t kFewPoints = 128;
 /// Such a block has so many groups of points that are measured together.
-constexpr size_t kMostGroups = kFewPoints / kLanes;
+constexpr size_t kMostEights = kFewPoints / kLanes;
 
 /// Returns the largest radius of an unopened node in the list of a block with this half side, in cells. These
 /// values measured best from sparse points to dense ones at the surface.
@@ -227,7 +227,7 @@ class PointBlocks {
     const uint32_t near = groupsInReach(range, candidates);
     for (size_t begin = range.begin, group = 0; begin < range.end; begin += kLanes, ++group) {
       const size_t count = std::min(kLanes, range.end - begin);
-      if (group >= kMostGroups || near >> group & 1)
+      if (group >= kMostEights || near >> group & 1)
         measureLanes(begin, count, candidates);
       else
         std::fill_n(nearest_.begin() + ptrdiff_t(begin), count, NearestTriangle{INFINITY, kNoTriangle});

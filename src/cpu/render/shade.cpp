@@ -1,6 +1,7 @@
 #include "cpu/render/shade.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "cpu/render/sphere_trace.h"
 #include "scene/shade_shared.h"
@@ -36,6 +37,7 @@ Colour numberColour(const DrawnScene& scene, const glm::dvec3& p, double pixel) 
   const ShownNumbers& numbers = *scene.numbers;
   const Colouring& colouring = numbers.colouring();
   const double number = numbers.at(p);
+  if (std::isnan(number)) return kNotFinite;
   glm::dvec3 gradient;
   for (int a = 0; a < 3; ++a) {
     glm::dvec3 step(0.0);

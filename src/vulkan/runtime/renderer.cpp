@@ -61,6 +61,7 @@ void Renderer::record(VkCommandBuffer commands, const FieldBuffer& field, const 
   const Field elsewhere{.grid = field.grid, .clampDistance = field.clampDistance};
   RenderOptions shown = options;
   shown.other = nullptr;
+  shown.otherBand = nullptr;
   if (field.values.buffer) {
     samples.values = addressOf(impl_->device.handle(), field.values, "numbers in colour");
     if (options.array == FieldArray::Distance) shown.other = &elsewhere;
