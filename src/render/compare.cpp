@@ -85,7 +85,7 @@ class FieldPair {
 };
 
 /// A box of samples. In a uniform one, each field has the same value everywhere.
-struct SampleBox {
+struct ComparedBox {
   glm::ivec3 low, high;
   bool isUniform = false;
 
@@ -104,15 +104,15 @@ struct SampleBox {
 };
 
 /// Boxes that hold all samples once, and how many of them are one task.
-struct SampleBoxes {
-  std::vector<SampleBox> list;
+struct ComparedBoxes {
+  std::vector<ComparedBox> list;
   size_t perTask = 1;
 };
 
 /// Returns the sheets of the grid.
-SampleBoxes boxesOf(const DenseArray& a, const DenseArray&) {
+ComparedBoxes boxesOf(const DenseArray& a, const DenseArray&) {
   const glm::ivec3 dims = a.grid().dims;
-  SampleBoxes boxes;
+  ComparedBoxes boxes;
   for (int k = 0; k < dims.z; ++k) boxes.list.push_back({{0, 0, k}, {dims.x, dims.y, k + 1}});
   return boxes;
 }
@@ -120,7 +120,7 @@ SampleBoxes boxesOf(const DenseArray& a, const DenseArray&) {
 /// Adds the boxes of a cube of samples: the largest cubes without leaves in either band, and those of 8 x 8 x
 /// 8 samples.
 void addBoxes(const BandArray& a, const BandArray& b, const glm::ivec3& low, int side,
-              std::vector<SampleBox>& boxes) {
+              std::vector<ComparedBox>& boxes) {
   const glm::ivec3 dims = a.grid().dims;
   if (glm::any(glm::greaterThanEqual(low, dims))) return;
   const bool isUniform = std::min(a.emptySide(low), b.emptySide(low)) >= side;
@@ -132,9 +132,9 @@ void addBoxes(const BandArray& a, const BandArray& b, const glm::ivec3& low, int
     addBoxes(a, b, low + side / 2 * glm::ivec3(child & 1, child >> 1 & 1, child >> 2), side / 2, boxes);
 }
 
-SampleBoxes boxesOf(const BandArray& a, const BandArray& b) {
+ComparedBoxes boxesOf(const BandArray& a, const BandArray& b) {
   const glm::ivec3 dims = a.grid().dims;
-  SampleBoxes boxes{.list = {}, .perTask = 1024};
+  ComparedBoxes boxes{.list = {}, .perTask = 1024};
   const auto longest = uint32_t(std::max({dims.x, dims.y, dims.z, SparseField::kLeafSide}));
   addBoxes(a, b, glm::ivec3(0), int(std::bit_ceil(longest)), boxes.list);
   return boxes;
@@ -191,7 +191,7 @@ Comparison joinTallies(const std::vector<Tally>& tallies) {
 }
 
 template <class Array>
-Comparison comparePair(const FieldPair<Array>& pair, const SampleBoxes& boxes) {
+Comparison comparePair(const FieldPair<Array>& pair, const ComparedBoxes& boxes) {
   std::vector<Tally> tallies((boxes.list.size() + boxes.perTask - 1) / boxes.perTask);
   parallelFor(tallies.size(), 1, [&](size_t t, size_t) {
     const size_t end = std::min((t + 1) * boxes.perTask, boxes.list.size());
@@ -204,10 +204,10 @@ Comparison comparePair(const FieldPair<Array>& pair, const SampleBoxes& boxes) {
 
 /// Returns the slice with the most finite samples whose values `isCounted` counts, as {axis, index}.
 template <class Array, class Counted>
-glm::ivec2 mostDifferentSlice(const FieldPair<Array>& pair, const SampleBoxes& boxes, Counted&& isCounted) {
+glm::ivec2 mostDifferentSlice(const FieldPair<Array>& pair, const ComparedBoxes& boxes, Counted&& isCounted) {
   std::array<std::vector<size_t>, 3> counts;
   for (int a = 0; a < 3; ++a) counts[a].resize(size_t(pair.grid().dims[a]));
-  for (const SampleBox& box : boxes.list)
+  for (const ComparedBox& box : boxes.list)
     box.forEach([&](const glm::ivec3& sample, size_t count) {
       const TwoValues two = pair.at(sample);
       if (!two.areFinite() || !isCounted(two)) return;
@@ -258,7 +258,7 @@ class SurfaceLines {
 };
 
 template <class Array>
-Picture renderTriangles(const FieldPair<Array>& pair, const SampleBoxes& boxes, int width) {
+Picture renderTriangles(const FieldPair<Array>& pair, const ComparedBoxes& boxes, int width) {
   const glm::ivec2 slice = mostDifferentSlice(pair, boxes, [](const TwoValues& two) { return two.differ; });
   const SliceView view(pair.grid(), slice[0], slice[1]);
   return view.paint(width, [&](glm::dvec2 at) {
@@ -270,7 +270,7 @@ template <class Array>
 Picture renderArrays(const Array& a, const Array& b, int width) {
   makePicture(width, 1);  // Throws for an invalid width, by which `pixelSize` divides.
   const FieldPair pair(a, b);
-  const SampleBoxes boxes = boxesOf(a, b);
+  const ComparedBoxes boxes = boxesOf(a, b);
   if (a.kind() == FieldArray::Triangle) return renderTriangles(pair, boxes, width);
   const Comparison comparison = comparePair(pair, boxes);
   const bool showsSigns = comparison.signDifferences > 0;
