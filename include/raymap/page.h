@@ -42,8 +42,8 @@ inline constexpr size_t kMostDefectPlaces = 100;
 ///
 /// The places of a mesh's defects are listed, at most `kMostDefectPlaces` of a kind, the largest first. A
 /// page of two fields shows either, and their difference in colour; it shows distances only. Throws `Error`
-/// as `renderField` does, Usage if `maxSize` is below 2 or the field lacks `array`, Input for an invalid
-/// mesh.
+/// as `renderField` does, Usage if `maxSize` is below 2, the field lacks `array` or the view names a second
+/// field, Input for an invalid mesh.
 RAYMAP_API Page makePage(const Field& field, const RenderOptions& view = {}, const PageOptions& options = {},
                          const MachineOptions& machine = {});
 

@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "base/parallel.h"
+#include "base/require.h"
 #include "base/text.h"
 #include "field/field_sampler.h"
 #include "page_text.h"
@@ -322,6 +323,8 @@ Page assemble(const Field& field, const Field& shown, const Field* other, const 
 Page makePage(const Field& field, const RenderOptions& view, const PageOptions& options,
               const MachineOptions& machine) {
   checkPage(field, options);
+  require(!view.other && !view.otherBand,
+          "a page takes its second field from the options of the page; leave it out of those of the view");
   checkPictureSize(view.width, view.height);
   PageOptions titled = options;
   if (titled.title.empty()) titled.title = "Field";

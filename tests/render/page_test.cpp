@@ -235,6 +235,7 @@ TEST(Page, RefusesWhatItCannotShow) {
   EXPECT_EQ(codeOf([&] { writePage(folder.path() / "p.html", Field{}); }), ErrorCode::Usage);
   const Field none;
   EXPECT_EQ(codeOf([&] { makePage(field, {}, {.array = FieldArray::Winding}); }), ErrorCode::Usage);
+  EXPECT_EQ(codeOf([&] { makePage(field, {.other = &field}); }), ErrorCode::Usage);
   EXPECT_EQ(codeOf([&] { makePage(field, {}, {.other = &none}); }), ErrorCode::Usage);
   EXPECT_EQ(codeOf([&] { makePage(field, {.width = 0}); }), ErrorCode::Usage);
   EXPECT_EQ(codeOf([&] { makePage(field, kSmall, {.mesh = Mesh{}}); }), ErrorCode::Input);
