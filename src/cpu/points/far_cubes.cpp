@@ -11,7 +11,7 @@ namespace raymap::cpu {
 
 namespace {
 
-constexpr size_t kCubesAtATime = size_t{1} << 18;
+constexpr size_t kCubesAtATime = size_t{1} << 15;
 
 /// Returns the distance from the centre of a cube to its outermost samples.
 double radiusOf(int side, double spacing) {
