@@ -83,7 +83,7 @@ TEST(SparseCompare, FindsTheWorstSample) {
 }
 
 TEST(SparseCompare, EqualBandsDoNotDiffer) {
-  const auto [a, b] = std::move(somePairs().back());
+  const SparseField a = std::move(somePairs().back().first);
   const Comparison found = compareFields(a, a);
   EXPECT_EQ(found.differences, 0u);
   EXPECT_EQ(found.maxError, 0.0);
@@ -108,7 +108,7 @@ TEST(SparseCompare, CountsTheSamplesOfHugeTiles) {
 }
 
 TEST(SparseCompare, RefusesOtherLatticesAndMissingArrays) {
-  const auto [a, b] = std::move(somePairs().front());
+  const SparseField a = std::move(somePairs().front().first);
   SparseField other = toSparse(toDense(a));
   EXPECT_EQ(codeOf([&] { compareFields(a, other, FieldArray::Winding); }), ErrorCode::Usage);
   other.grid.spacing *= 1.01;
