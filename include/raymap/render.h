@@ -40,8 +40,8 @@ RAYMAP_API Picture renderField(const Field& field, const RenderOptions& options 
 /// the difference is known only to be at least, or at most, what the values give. It is in the deepest colour
 /// if that is beyond `range`, else violet.
 ///
-/// Of `machine`, `threads` and `progress` count. Throws `Error`: Usage, Input if a number to draw is not
-/// finite, Cancelled.
+/// Only `threads` and `progress` of `machine` count. Throws `Error`: Usage, Cancelled, and Input if a number
+/// of a leaf is not finite.
 RAYMAP_API Picture renderField(const SparseField& band, const RenderOptions& options = {},
                                const MachineOptions& machine = {});
 

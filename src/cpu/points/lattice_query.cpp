@@ -57,7 +57,7 @@ void LatticeQuery::list() {
   });
 }
 
-/// Returns what each coordinate of a cube's samples adds.
+/// Returns the shares of all coordinates of a cube's samples, by axis.
 std::array<std::array<LatticeQuery::OnAxis, LatticeQuery::kSide>, 3> LatticeQuery::axesOf(
     const glm::ivec3& low) const {
   std::array<std::array<OnAxis, kSide>, 3> axes;

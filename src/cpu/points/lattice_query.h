@@ -85,10 +85,10 @@ class LatticeQuery {
         });
   }
 
-  /// What a coordinate of a sample adds to its position, its place and its code.
+  /// The share of one coordinate in what is listed of a sample. The shares of x, y and z add up to it.
   struct OnAxis {
-    double position;
-    int place, code;
+    double position;  ///< The point's coordinate.
+    int place, code;  ///< Summands of `places_` and `codes_`.
   };
 
   size_t countOf(const AskedCube& cube) const;
