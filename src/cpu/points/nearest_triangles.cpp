@@ -25,8 +25,6 @@ namespace {
 
 /// Most points that a block is not halved for.
 constexpr size_t kFewPoints = 128;
-/// Such a block has so many groups of points that are measured together.
-constexpr size_t kMostEights = kFewPoints / kLanes;
 
 /// Returns the largest radius of an unopened node in the list of a block with this half side, in cells. These
 /// values measured best from sparse points to dense ones at the surface.
@@ -224,38 +222,42 @@ class PointBlocks {
   }
 
   void measurePoints(const Range& range, const Candidates& candidates) {
-    const uint32_t near = groupsInReach(range, candidates);
-    for (size_t begin = range.begin, group = 0; begin < range.end; begin += kLanes, ++group) {
+    constexpr size_t kAtATime = kLanes * kLanes;
+    for (size_t begin = range.begin; begin < range.end; begin += kAtATime) {
+      const Range some{begin, std::min(begin + kAtATime, range.end)};
+      const bool isWorthwhile = some.count() == kAtATime && std::isfinite(most_);
+      measureGroups(some, candidates, isWorthwhile ? groupsInReach(begin, candidates) : ~0u);
+    }
+  }
+
+  /// Measures the points of up to eight groups, of which some may be near enough.
+  void measureGroups(const Range& range, const Candidates& candidates, uint32_t near) {
+    for (size_t begin = range.begin; begin < range.end; begin += kLanes, near >>= 1) {
       const size_t count = std::min(kLanes, range.end - begin);
-      if (group >= kMostEights || near >> group & 1)
+      if (near & 1)
         measureLanes(begin, count, candidates);
       else
         std::fill_n(nearest_.begin() + ptrdiff_t(begin), count, NearestTriangle{INFINITY, kNoTriangle});
     }
   }
 
-  /// Returns which groups of points may be near enough. The centre of each tells.
-  uint32_t groupsInReach(const Range& range, const Candidates& candidates) {
-    if (!std::isfinite(most_) || range.count() < kFewPoints / 2 || range.count() > kFewPoints) return ~0u;
-    uint32_t near = 0;
-    for (size_t first = 0; first * kLanes < range.count(); first += kLanes) {
-      Found centres;
-      float radii[kLanes] = {};
-      for (size_t lane = 0; lane < kLanes; ++lane) {
-        const size_t begin = std::min(range.begin + (first + lane) * kLanes, range.end - 1),
-                     end = std::min(begin + kLanes, range.end);
-        glm::vec3 low = sorted_.points[begin], high = low;
-        for (size_t k = begin + 1; k < end; ++k) {
-          low = glm::min(low, sorted_.points[k]);
-          high = glm::max(high, sorted_.points[k]);
-        }
-        centres.place(lane, 0.5f * (low + high));
-        radii[lane] = 0.5f * glm::distance(low, high);
+  /// Returns which of eight groups of points may be near enough. The centre of each tells.
+  uint32_t groupsInReach(size_t begin, const Candidates& candidates) {
+    Found centres;
+    float radii[kLanes];
+    for (size_t lane = 0; lane < kLanes; ++lane, begin += kLanes) {
+      glm::vec3 low = sorted_.points[begin], high = low;
+      for (size_t k = begin + 1; k < begin + kLanes; ++k) {
+        low = glm::min(low, sorted_.points[k]);
+        high = glm::max(high, sorted_.points[k]);
       }
-      find(candidates, (1u << kLanes) - 1, centres);
-      for (size_t lane = 0; lane < kLanes; ++lane)
-        if (std::sqrt(centres.squared.v[lane]) - radii[lane] - slack_ <= most_) near |= 1u << (first + lane);
+      centres.place(lane, 0.5f * (low + high));
+      radii[lane] = 0.5f * glm::distance(low, high);
     }
+    find(candidates, (1u << kLanes) - 1, centres);
+    uint32_t near = 0;
+    for (size_t lane = 0; lane < kLanes; ++lane)
+      if (std::sqrt(centres.squared.v[lane]) - radii[lane] - slack_ <= most_) near |= 1u << lane;
     return near;
   }
 
