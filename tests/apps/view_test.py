@@ -52,18 +52,20 @@ def unfiltered(kind, row, above):
         return row
     if kind == 2:
         return row + above
-    result = row.astype(int)
-    up = above.astype(int)
-    for i in range(len(result)):
-        left, corner = (result[i - 3], up[i - 3]) if i >= 3 else (0, 0)
+    result, up = row.tolist(), above.tolist()  # Plain integers are ten times as fast as those of NumPy.
+    left, corner = [0, 0, 0], [0, 0, 0]
+    for i, top in enumerate(up):
+        a, c = left[i % 3], corner[i % 3]
         if kind == 1:
-            guess = left
+            guess = a
         elif kind == 3:
-            guess = (left + up[i]) // 2
+            guess = (a + top) // 2
         else:
-            guess = min((left, up[i], corner), key=lambda value: abs(left + up[i] - corner - value))
-        result[i] = (result[i] + guess) % 256
-    return result.astype(np.uint8)
+            to_left, to_top, to_corner = abs(top - c), abs(a - c), abs(a + top - 2 * c)
+            guess = a if to_left <= to_top and to_left <= to_corner else top if to_top <= to_corner else c
+        result[i] = left[i % 3] = (result[i] + guess) % 256
+        corner[i % 3] = top
+    return np.array(result, np.uint8)
 
 
 def differ(a, b):
