@@ -61,15 +61,6 @@ void finishOptions(RenderArguments& arguments) {
   arguments.options.triangle = arguments.as == "triangle";
 }
 
-/// Throws `Error(Usage)` for a device that cannot draw a narrow band.
-void checkDevice(const Field&, const RenderArguments&) {}
-void checkDevice(const SparseField&, const RenderArguments& arguments) {
-  if (arguments.machine.device.starts_with("vulkan"))
-    throw Error(ErrorCode::Usage,
-                displayName(arguments.input) +
-                    ": a level set of so many samples is drawn on the CPU; leave out --device");
-}
-
 /// Draws a field or a narrow band, in colours that tell the difference from another one, if there is one.
 template <class AnyField>
 Picture draw(const AnyField& field, FieldArray array, const RenderArguments& arguments,
@@ -81,7 +72,6 @@ Picture draw(const AnyField& field, FieldArray array, const RenderArguments& arg
   if (!hasSurface || array == FieldArray::Triangle)
     throw Error(ErrorCode::Usage, arguments.input.string() + ": the array '" + std::string(name(array)) +
                                       "' has no surface to draw; draw a slice of it with --slice x, y or z");
-  checkDevice(field, arguments);
   RenderOptions view = arguments.view;
   view.array = array;
   view.other = other;

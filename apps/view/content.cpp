@@ -27,6 +27,13 @@ Box boundsAt(const AnimatedMesh& mesh, double seconds) {
   return bounds(pose);
 }
 
+/// Returns the bounds of a field's surface, or of its grid if they are not known.
+template <class AnyField>
+Box boundsOf(const AnyField& field) {
+  if (!field.surfaceBounds.isEmpty()) return field.surfaceBounds;
+  return {field.grid.origin, field.grid.position(glm::dvec3(field.grid.dims - 1))};
+}
+
 }  // namespace
 
 Content contentOf(Mesh mesh) {
@@ -40,10 +47,15 @@ Content contentOf(Mesh mesh) {
 
 Content contentOf(Field field) {
   Content content;
-  content.bounds = field.surfaceBounds.isEmpty()
-                       ? Box{field.grid.origin, field.grid.position(glm::dvec3(field.grid.dims - 1))}
-                       : field.surfaceBounds;
+  content.bounds = boundsOf(field);
   content.field = std::move(field);
+  return content;
+}
+
+Content contentOf(SparseField band) {
+  Content content;
+  content.bounds = boundsOf(band);
+  content.band = std::move(band);
   return content;
 }
 

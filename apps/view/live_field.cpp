@@ -25,7 +25,7 @@ FieldArray arrayOf(const FieldOptions& options) {
 LiveField::LiveField(const Gpu& gpu, const Content& content, DeviceMesh* mesh, bool isOnDevice,
                      const MachineOptions& machine)
     : gpu_(gpu), content_(content), mesh_(mesh), isOnDevice_(isOnDevice) {
-  if (content.field) return;
+  if (content.isField()) return;
   if (content.animated) poses_.emplace(*content.animated);
   if (isOnDevice_) {
     generator_ = std::make_unique<vulkan::Generator>(gpu.handles());
@@ -40,6 +40,18 @@ Grid LiveField::gridFor(const FieldSettings& settings) const {
   if (content_.grid) return *content_.grid;
   return fitGrid(content_.bounds,
                  {.resolution = settings.resolution, .thickness = settings.options.thickness});
+}
+
+vulkan::FieldBuffer LiveField::buffer() const {
+  vulkan::FieldBuffer buffer{.distance = distance_.range(),
+                             .grid = grid_,
+                             .clampDistance = clampDistance_,
+                             .rotation = motion_.rotation,
+                             .translation = motion_.translation};
+  if (array_ != FieldArray::Distance) buffer.values = values_.range();
+  if (const std::optional<SparseField>& band = content_.band)
+    buffer.band = {.leafIndex = leafIndex_.range(), .inside = band->inside, .outside = band->outside};
+  return buffer;
 }
 
 bool LiveField::isBusy() const {
@@ -60,7 +72,7 @@ bool LiveField::record(Frame& frame, const FieldSettings& settings, double secon
                        bool mayMove) {
   isCurrent_ = true;
   mayMove_ = mayMove;
-  if (content_.field) return recordGiven(frame, arrayOf(settings.options));
+  if (content_.isField()) return recordGiven(frame, arrayOf(settings.options));
   const FieldWish wish{.grid = gridFor(settings), .options = settings.options, .seconds = seconds};
   const bool isNew =
       isOnDevice_ ? recordOnDevice(frame, wish) : recordFromWorker(frame, settings, wish, isMoving);
@@ -76,7 +88,8 @@ void LiveField::makeRoom(Frame& frame, size_t samples, Buffer& buffer) {
   buffer = gpu_.makeBuffer(samples * sizeof(float));
 }
 
-void LiveField::upload(Frame& frame, const Field& field, FieldArray array) {
+template <class AnyField>
+void LiveField::upload(Frame& frame, const AnyField& field, FieldArray array) {
   const auto take = [&](const raymap::Buffer<float>& numbers, Buffer& to) {
     makeRoom(frame, numbers.size(), to);
     frame.upload(std::as_bytes(std::span(numbers.data(), numbers.size())), to);
@@ -86,14 +99,28 @@ void LiveField::upload(Frame& frame, const Field& field, FieldArray array) {
   array_ = numbers.empty() ? FieldArray::Distance : array;
   if (array_ != FieldArray::Distance) take(numbers, values_);
   grid_ = field.grid;
-  clampDistance_ = field.clampDistance;
   hasField_ = true;
+}
+
+void LiveField::uploadBand(Frame& frame, const SparseField& band, FieldArray array) {
+  if (leafIndex_.bytes == 0) {
+    const std::vector<uint32_t> index = vulkan::packLeafIndex(band);
+    leafIndex_ = gpu_.makeBuffer(index.size() * sizeof(uint32_t));
+    frame.upload(std::as_bytes(std::span(index)), leafIndex_);
+  }
+  upload(frame, band, array);
+  clampDistance_ = std::min(band.inside, band.outside);
 }
 
 bool LiveField::recordGiven(Frame& frame, FieldArray array) {
   if (hasField_ && given_ == array) return false;
   given_ = array;
-  upload(frame, *content_.field, array);
+  if (content_.band) {
+    uploadBand(frame, *content_.band, array);
+  } else {
+    upload(frame, *content_.field, array);
+    clampDistance_ = content_.field->clampDistance;
+  }
   return true;
 }
 
@@ -139,6 +166,7 @@ void LiveField::take(Frame& frame, MadeField made) {
   wish_ = made.wish;
   if (!made.error.empty()) return;
   upload(frame, made.field, arrayOf(made.wish.options));
+  clampDistance_ = made.field.clampDistance;
   milliseconds_ = made.stats.milliseconds;
   // Time grows with the square of the resolution, near enough.
   const int resolution = std::max({grid_.dims.x, grid_.dims.y, grid_.dims.z});

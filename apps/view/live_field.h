@@ -31,14 +31,7 @@ class LiveField {
   /// Returns whether there is a field yet.
   bool isReady() const { return hasField_; }
   /// Returns the field, with the numbers of `array`.
-  vulkan::FieldBuffer buffer() const {
-    return {.distance = distance_.range(),
-            .grid = grid_,
-            .clampDistance = clampDistance_,
-            .rotation = motion_.rotation,
-            .translation = motion_.translation,
-            .values = array_ == FieldArray::Distance ? vulkan::BufferRange{} : values_.range()};
-  }
+  vulkan::FieldBuffer buffer() const;
   /// Returns the array that it has besides distances; `Distance`: none.
   FieldArray array() const { return array_; }
   /// Returns whether its grid has moved since it was made.
@@ -51,7 +44,9 @@ class LiveField {
   /// Returns the time that the CPU took for the last field; 0 if the device made it.
   double milliseconds() const { return milliseconds_; }
   /// Returns the bytes of the device's memory that it holds.
-  uint64_t bytes() const { return distance_.bytes + (generator_ ? generator_->bytes() : 0); }
+  uint64_t bytes() const {
+    return distance_.bytes + values_.bytes + leafIndex_.bytes + (generator_ ? generator_->bytes() : 0);
+  }
   bool isOnDevice() const { return isOnDevice_; }
   /// Returns the grid of a mesh's field, at full resolution.
   Grid gridFor(const FieldSettings& settings) const;
@@ -64,7 +59,9 @@ class LiveField {
   bool recordFromWorker(Frame& frame, const FieldSettings& settings, const FieldWish& fine, bool isMoving);
   std::optional<RigidMotion> motionTo(const FieldWish& wish, const FieldWish& made) const;
   void take(Frame& frame, MadeField made);
-  void upload(Frame& frame, const Field& field, FieldArray array);
+  template <class AnyField>
+  void upload(Frame& frame, const AnyField& field, FieldArray array);
+  void uploadBand(Frame& frame, const SparseField& band, FieldArray array);
   void makeRoom(Frame& frame, size_t samples, Buffer& buffer);
 
   const Gpu& gpu_;
@@ -77,7 +74,7 @@ class LiveField {
   std::optional<RigidPoses> poses_;
   bool mayMove_ = false;
   RigidMotion motion_;  ///< Motion of the field's pose to the one that is shown.
-  Buffer distance_, values_;
+  Buffer distance_, values_, leafIndex_;
   FieldArray array_ = FieldArray::Distance, given_ = FieldArray::Distance;  ///< `given_`: asked for last.
   Grid grid_ = {};
   double clampDistance_ = 0.0;

@@ -108,7 +108,7 @@ void showColours(ViewState& state, const PanelFigures& figures) {
       if (ImGui::Selectable(each.name().c_str(), each == now)) each.choose(state);
     ImGui::EndCombo();
   }
-  if (figures.other && !figures.other->field)
+  if (figures.other && !figures.other->isField())
     ImGui::Checkbox("other mesh where it sticks out", &state.isOtherOverlaid);
   if (state.isDifferenceShown) {
     const double size = glm::length(figures.content.bounds.size());
@@ -120,7 +120,7 @@ void showView(ViewState& state, Wishes& wishes, const PanelFigures& figures) {
   if (!ImGui::CollapsingHeader("View", ImGuiTreeNodeFlags_DefaultOpen)) return;
   const Box& box = figures.content.bounds;
   const double size = glm::length(box.size());
-  if (!figures.content.field) {
+  if (!figures.content.isField()) {
     ImGui::Checkbox("field", &state.isFieldShown);
     int style = int(state.mesh);
     ImGui::Combo("mesh", &style, "hidden\0edges\0faces\0");
@@ -143,7 +143,7 @@ void showView(ViewState& state, Wishes& wishes, const PanelFigures& figures) {
 }
 
 void showField(ViewState& state, const PanelFigures& figures) {
-  if (figures.content.field || !ImGui::CollapsingHeader("Field", ImGuiTreeNodeFlags_DefaultOpen)) return;
+  if (figures.content.isField() || !ImGui::CollapsingHeader("Field", ImGuiTreeNodeFlags_DefaultOpen)) return;
   FieldOptions& options = state.field.options;
   ImGui::SliderInt("resolution", &state.field.resolution, 16, 512);
   choose("distance", options.distance);

@@ -9,7 +9,7 @@
 namespace raymap::view {
 
 Probe::Probe(const Content& content, const MachineOptions& machine) : content_(content) {
-  if (content.field || content.animated) return;
+  if (content.isField() || content.animated) return;
   coming_ =
       std::async(std::launch::async, [&content, threads = machine.threads]() -> std::unique_ptr<Surface> {
         try {
@@ -23,9 +23,10 @@ Probe::Probe(const Content& content, const MachineOptions& machine) : content_(c
 
 Probed Probe::at(const glm::dvec3& point) {
   Probed probed{.position = point};
-  if (content_.field) {
-    if (const double distance = distanceAt(*content_.field, point, Outside::NaN); distance == distance)
-      probed.distance = distance;
+  if (content_.isField()) {
+    const double distance = content_.band ? distanceAt(*content_.band, point, Outside::NaN)
+                                          : distanceAt(*content_.field, point, Outside::NaN);
+    if (distance == distance) probed.distance = distance;
     return probed;
   }
   if (coming_.valid() && coming_.wait_for(std::chrono::seconds(0)) == std::future_status::ready)

@@ -1,6 +1,7 @@
 #include "second.h"
 
 #include <raymap/sample.h>
+#include <raymap/sparse_field.h>
 
 #include <algorithm>
 
@@ -25,9 +26,17 @@ Field sampledOn(const Grid& grid, const Field& field) {
   return result;
 }
 
+/// A device draws no difference from a narrow band.
+void makeDense(Content& content) {
+  if (!content.band) return;
+  content.field = toDense(*content.band);
+  content.band.reset();
+}
+
 }  // namespace
 
 void makeComparable(Content& first, Content& second) {
+  for (Content* content : {&first, &second}) makeDense(*content);
   first.bounds = second.bounds = {glm::min(first.bounds.min, second.bounds.min),
                                   glm::max(first.bounds.max, second.bounds.max)};
   if (first.field && second.field) {

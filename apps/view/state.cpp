@@ -15,11 +15,15 @@ void Colours::choose(ViewState& state) const {
 
 std::vector<Colours> coloursOf(const Content& content, const Content* other) {
   std::vector<Colours> all{{}};
-  const auto add = [&](FieldArray array, const raymap::Buffer<float> Field::*numbers) {
-    if (!content.field || !((*content.field).*numbers).empty()) all.push_back({.array = array});
+  const auto addThoseOf = [&](const auto& field) {
+    if (!field.winding.empty()) all.push_back({.array = FieldArray::Winding});
+    if (!field.confidence.empty()) all.push_back({.array = FieldArray::Confidence});
   };
-  add(FieldArray::Winding, &Field::winding);
-  add(FieldArray::Confidence, &Field::confidence);
+  if (content.field) addThoseOf(*content.field);
+  if (content.band) addThoseOf(*content.band);
+  if (!content.isField())
+    for (const FieldArray array : {FieldArray::Winding, FieldArray::Confidence})
+      all.push_back({.array = array});
   if (other) all.push_back({.isDifference = true});
   return all;
 }

@@ -32,7 +32,7 @@ constexpr size_t kHistory = 120;        // Frames whose times are shown.
 /// A frame takes faces as they point. So those that point the wrong way are turned once, beforehand, and the
 /// other sides of double-sided ones are removed.
 void turnWrongFaces(Content& content, const FieldOptions& options, const MachineOptions& machine) {
-  if (content.field || options.orientation == Orientation::Keep || options.sign == SignMode::None) return;
+  if (content.isField() || options.orientation == Orientation::Keep || options.sign == SignMode::None) return;
   MachineOptions onCpu = machine;
   onCpu.device = "cpu";
   constexpr int kResolution = 64;
@@ -51,7 +51,7 @@ void turnWrongFaces(Content& content, const FieldOptions& options, const Machine
 struct Shown {
   Shown(Content given, const Gpu& gpu, bool isOnDevice, const MachineOptions& machine)
       : content(std::move(given)),
-        mesh(content.field ? nullptr : std::make_unique<DeviceMesh>(gpu, content)),
+        mesh(content.isField() ? nullptr : std::make_unique<DeviceMesh>(gpu, content)),
         field(gpu, content, mesh.get(), isOnDevice, machine),
         probe(content, machine) {}
   Content content;
@@ -701,8 +701,9 @@ PanelFigures Viewer::figures() const {
   if (field.isReady()) {
     const glm::ivec3 dims = field.grid().dims;
     char text[128];
-    std::snprintf(text, sizeof text, "%d x %d x %d samples, spacing %.4g%s", dims.x, dims.y, dims.z,
-                  field.grid().spacing, field.isBusy() ? " ..." : "");
+    std::snprintf(text, sizeof text, "%d x %d x %d samples%s, spacing %.4g%s", dims.x, dims.y, dims.z,
+                  content().band ? ", a narrow band" : "", field.grid().spacing,
+                  field.isBusy() ? " ..." : "");
     grid = text;
   }
   std::vector<Frame::Time> times = times_;

@@ -32,16 +32,17 @@ namespace raymap {
 /// number to draw is not finite, Cancelled; for the device Unsupported, Memory, DeviceLost.
 RAYMAP_API Picture renderField(const Field& field, const RenderOptions& options = {},
                                const MachineOptions& machine = {});
-/// Draws a narrow band in the same way, on the CPU. Rays pass cubes of samples without leaves at once, and
-/// the hits are those of the field that `toDense` makes of it. Winding numbers and confidences are violet
-/// where they are not known: around samples in no leaf.
+/// Draws a narrow band in the same way. Rays pass cubes of samples without leaves at once, and the hits are
+/// those of the field that `toDense` makes of it. Winding numbers and confidences are violet where they are
+/// not known: around samples in no leaf.
 ///
-/// `other` or `otherBand` is read at the positions themselves, on whatever grid. Where a distance is clamped,
+/// `other` or `otherBand` is read at the positions themselves, on whatever grid, on the CPU: another device
+/// is an error if it was named. Where a distance is clamped,
 /// the difference is known only to be at least, or at most, what the values give. It is in the deepest colour
 /// if that is beyond `range`, else violet.
 ///
-/// Only `threads` and `progress` of `machine` count. Throws `Error`: Usage, Cancelled, and Input if a number
-/// of a leaf is not finite.
+/// All of `machine` but `memoryLimit` counts. Throws `Error` as for a dense field: Input if a number of a
+/// leaf is not finite.
 RAYMAP_API Picture renderField(const SparseField& band, const RenderOptions& options = {},
                                const MachineOptions& machine = {});
 

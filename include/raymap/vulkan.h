@@ -12,6 +12,7 @@
 #include <raymap/error.h>
 #include <raymap/options.h>
 #include <raymap/picture.h>
+#include <raymap/sparse_field.h>
 #include <raymap/vulkan_device.h>
 #include <vulkan/vulkan_core.h>
 
@@ -19,6 +20,7 @@
 #include <optional>
 #include <span>
 #include <string_view>
+#include <vector>
 
 namespace raymap::vulkan {
 
@@ -166,7 +168,17 @@ class RAYMAP_API Skinner {
   std::unique_ptr<Impl> impl_;
 };
 
-/// A signed field on the device, as a generator leaves it.
+/// What a narrow band on the device has besides its samples.
+struct BandBuffer {
+  BufferRange leafIndex = {};          ///< The words of `packLeafIndex`; none: the field is dense.
+  double inside = 0.0, outside = 0.0;  ///< As in `SparseField`.
+};
+
+/// Returns 32-bit words by which a renderer finds the leaves of a narrow band. Throws `Error(Usage)` if the
+/// band is not valid.
+RAYMAP_API std::vector<uint32_t> packLeafIndex(const SparseField& band);
+
+/// A signed field on the device, as a generator leaves it, or a narrow band.
 struct FieldBuffer {
   BufferRange distance = {};  ///< Floats, x fastest, in the mesh's units.
   Grid grid = {};
@@ -178,6 +190,9 @@ struct FieldBuffer {
   /// Samples of `RenderOptions::array`. If that is `Distance`, those of a second field on the same grid, as
   /// `RenderOptions::other` shows them; none: there is no second one.
   BufferRange values = {};
+  /// Of a narrow band. `distance` and `values` then hold 512 samples per leaf, as the arrays of a
+  /// `SparseField`; there is no second field.
+  BandBuffer band = {};
 };
 
 /// Destination of a picture.

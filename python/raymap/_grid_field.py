@@ -259,8 +259,8 @@ class GridField:
     ) -> npt.NDArray[np.uint8]:
         """Returns a picture of the surface by sphere tracing, (h, w, 3) uint8, rows from the top.
 
-        The CPU draws a narrow band. Rays pass cubes of samples without leaves at once. Distances beyond the band are not
-        known, so ``iso`` lies between ``-inside`` and ``outside``, and ``shell`` is less than ``inside``.
+        Rays pass cubes without leaves of a narrow band at once. Distances beyond the band are not known, so ``iso`` lies
+        between ``-inside`` and ``outside``, and ``shell`` is less than ``inside``.
 
         Args:
             width: Width in pixels.
@@ -277,7 +277,7 @@ class GridField:
             slice_plane: Plane on which distances are drawn in the colours and with the lines of ``slice``.
             frame: Box that the camera frames instead of the shape, ((x0, y0, z0), (x1, y1, z1)). Pictures of a moving
                 shape share one, so that the camera stands still.
-            device: Device that draws; see ``raymap.devices``. A narrow band takes ``"auto"`` and ``"cpu"``.
+            device: Device that draws; see ``raymap.devices``.
             threads: Number of CPU threads; None = ``raymap.get_threads()``.
             progress: A callable that receives a stage and its share, 0 to 1; True to show it.
 
@@ -304,11 +304,7 @@ class GridField:
         if frame is not None:
             view.frame_box(*to_box("frame", frame))
         with reporting(progress) as report:
-            return _raymap.render_field(self._core, view, self._machine(device, threads), report)
-
-    def _machine(self, device: str, threads: int | None) -> _raymap.MachineOptions:
-        """Returns what draws the field."""
-        return to_machine(device, threads)
+            return _raymap.render_field(self._core, view, to_machine(device, threads), report)
 
     def __repr__(self) -> str:
         return self._text()

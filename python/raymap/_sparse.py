@@ -213,11 +213,6 @@ class SparseField(GridField):
             raise UsageError(f"{os.fspath(path)}: {text}")
         self._core.save(os.fspath(path))
 
-    def _machine(self, device: str, threads: int | None) -> _raymap.MachineOptions:
-        if to_text("device", device) not in ("auto", "cpu"):
-            raise UsageError(f"a narrow band is drawn on the CPU, not on {device!r}")
-        return to_machine("cpu", threads)
-
     def __repr__(self) -> str:
         return self._text(f"{len(self.origins)} leaves")
 

@@ -24,6 +24,12 @@ class EmptySpace {
   /// near leaves and tiles. The box may reach beyond the lattice.
   std::optional<SampleBox> boxAround(const glm::ivec3& sample) const;
 
+  int bits() const { return bits_; }                ///< A cube has 2^bits samples along its side.
+  const glm::ivec3& dims() const { return dims_; }  ///< Number of cubes.
+  /// Of each cube, x fastest: number of cubes to the closest one with leaves or tiles, along the axis on
+  /// which it is farthest. 0 for that one.
+  const std::vector<uint8_t>& away() const { return away_; }
+
  private:
   static constexpr int kMostCubes = 128;
 
@@ -33,10 +39,8 @@ class EmptySpace {
   void markFilled(const glm::ivec3& first, const glm::ivec3& last);
   void measure();
 
-  int bits_;         ///< A cube has 2^bits samples along its side.
-  glm::ivec3 dims_;  ///< Number of cubes.
-  /// Of each cube: number of cubes to the closest one with leaves or tiles, along the axis on which it is
-  /// farthest. 0 for that one.
+  int bits_;
+  glm::ivec3 dims_;
   std::vector<uint8_t> away_;
 };
 

@@ -38,12 +38,17 @@ class LeafTree {
   /// Its samples beyond the lattice do not count.
   std::optional<EmptyCube> emptyCube(const glm::ivec3& sample) const;
 
- private:
   static constexpr int kSlotBits = 3;  ///< A node has 8 x 8 x 8 slots, x fastest.
   static constexpr int64_t kOutside = -1, kInside = -2;
   /// A slot holds a node's index, in the lowest level a leaf's, or the side on which all its samples lie.
   using Node = std::array<int64_t, size_t{1} << 3 * kSlotBits>;
 
+  /// Returns the nodes, the root first.
+  const std::vector<Node>& nodes() const { return nodes_; }
+  /// The slots of the root have 2^bits samples along a side.
+  int rootBits() const { return rootBits_; }
+
+ private:
   struct Slot {
     int64_t content;
     int bits;  ///< The slot's cube has 2^bits samples along its side.
@@ -65,7 +70,7 @@ class LeafTree {
   void addTile(const SparseField::Tile& tile);
 
   const SparseField& band_;
-  int rootBits_;  ///< `Slot::bits` of the root's slots.
+  int rootBits_;
   std::vector<Node> nodes_;
 };
 

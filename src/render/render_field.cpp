@@ -115,10 +115,14 @@ Picture renderField(const SparseField& band, const RenderOptions& options, const
   if (options.array != FieldArray::Distance) checkNumbers(band, options.array);
   if (options.other) checkNumbers(*options.other, FieldArray::Distance);
   if (options.otherBand) checkNumbers(*options.otherBand, FieldArray::Distance);
-  MachineOptions onCpu = machine;
-  onCpu.device = "cpu";
+  MachineOptions chosen = machine;
+  if (options.other || options.otherBand) {
+    require(!machine.device.starts_with("vulkan"),
+            "the difference from a narrow band is drawn on the CPU; choose no other device");
+    chosen.device = "cpu";
+  }
   Picture picture;
-  withThreads(machine.threads, [&] { picture = renderScene(DrawnScene(band, options), options, onCpu); });
+  withThreads(machine.threads, [&] { picture = renderScene(DrawnScene(band, options), options, chosen); });
   return picture;
 }
 

@@ -1,9 +1,37 @@
 #include "scene/drawn_field.h"
 
+#include <algorithm>
+#include <bit>
 #include <cmath>
+#include <limits>
 #include <utility>
 
+#include "scene/drawn_field_shared.h"
+
 namespace raymap {
+
+namespace {
+
+constexpr size_t kCubesPerWord = 4;
+
+void addNodes(const LeafTree& tree, std::vector<uint32_t>& words) {
+  static_assert(LeafTree::kSlotBits == kLeafBits && LeafTree::kOutside == kAllOutside &&
+                LeafTree::kInside == kAllInside);
+  for (const LeafTree::Node& node : tree.nodes())
+    for (const int64_t content : node) words.push_back(uint32_t(int32_t(content)));
+}
+
+void addCubes(const EmptySpace& space, std::vector<uint32_t>& words) {
+  const std::vector<uint8_t>& away = space.away();
+  for (size_t first = 0; first < away.size(); first += kCubesPerWord) {
+    uint32_t word = 0;
+    for (size_t n = 0; n < std::min(kCubesPerWord, away.size() - first); ++n)
+      word |= uint32_t{away[first + n]} << 8 * n;
+    words.push_back(word);
+  }
+}
+
+}  // namespace
 
 DrawnField::DrawnField(const Field& field)
     : dense_(&field),
@@ -17,6 +45,36 @@ DrawnField::DrawnField(const SparseField& band)
       tree_(std::make_unique<const LeafTree>(band)),
       space_(std::in_place, band),
       sparse_(SparseSampler({band.grid.dims, TreeReader{tree_.get()}}, band.grid.spacing)) {}
+
+DrawnField::DrawnField(const Field& elsewhere, double inside, double outside) : DrawnField(elsewhere) {
+  isBandElsewhere_ = true;
+  inside_ = inside;
+  outside_ = outside;
+}
+
+size_t DrawnField::leafIndexCount() const {
+  return tree_ ? size_t(kLeafIndexHeader) + tree_->nodes().size() * std::tuple_size<LeafTree::Node>() +
+                     (space_->away().size() + kCubesPerWord - 1) / kCubesPerWord
+               : 0;
+}
+
+std::vector<uint32_t> DrawnField::leafIndex(double scale) const {
+  const auto bitsOf = [&](double distance) {
+    constexpr double kMost = std::numeric_limits<float>::max();
+    return std::bit_cast<uint32_t>(float(std::clamp(scale * distance, -kMost, kMost)));
+  };
+  std::vector<uint32_t> words(size_t(kLeafIndexHeader), 0);
+  words.reserve(leafIndexCount());
+  words[kIndexRootBits] = uint32_t(tree_->rootBits());
+  words[kIndexOutside] = bitsOf(outside_);
+  words[kIndexInside] = bitsOf(-inside_);
+  words[kIndexCubeBits] = uint32_t(space_->bits());
+  for (int axis = 0; axis < 3; ++axis) words[size_t(kIndexCubeDims + axis)] = uint32_t(space_->dims()[axis]);
+  addNodes(*tree_, words);
+  words[kIndexCubes] = uint32_t(words.size());
+  addCubes(*space_, words);
+  return words;
+}
 
 DrawnField::Reading DrawnField::reading(const glm::dvec3& p) const {
   constexpr double kNearly = 1.0 - 1e-6;  // Files round clamped distances, and so do units.

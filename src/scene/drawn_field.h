@@ -1,8 +1,10 @@
 #pragma once
 
-#include <algorithm>
+#include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <optional>
+#include <vector>
 
 #include "field/empty_space.h"
 #include "field/field_sampler.h"
@@ -16,6 +18,8 @@ class DrawnField {
  public:
   DrawnField(const Field& field);       // NOLINT(google-explicit-constructor): Scenes take either.
   DrawnField(const SparseField& band);  // NOLINT(google-explicit-constructor)
+  /// A narrow band of these widths whose samples are on a device; the field has its grid, and no samples.
+  DrawnField(const Field& elsewhere, double inside, double outside);
   DrawnField(Field&&) = delete;
   DrawnField(SparseField&&) = delete;
 
@@ -38,6 +42,16 @@ class DrawnField {
   const SparseField* band() const { return tree_ ? &tree_->band() : nullptr; }
   /// Returns the tree of the narrow band, or null for a dense field.
   const LeafTree* tree() const { return tree_.get(); }
+  /// Returns the number of words that `leafIndex` returns.
+  size_t leafIndexCount() const;
+  /// Returns the words by which shaders find the leaves of a narrow band (scene/drawn_field_shared.h).
+  /// Distances of samples in no leaf are multiplied by `scale`.
+  std::vector<uint32_t> leafIndex(double scale) const;
+  /// Returns the number of samples that the host or a device holds; 0 if that is not known.
+  size_t sampleCount() const {
+    if (isBandElsewhere_) return 0;
+    return dense_ ? dense_->grid.sampleCount() : tree_->band().distance.size();
+  }
   const Grid& grid() const { return dense_ ? dense_->grid : tree_->band().grid; }
   /// Returns whether the samples are in the host's memory.
   bool hasSamples() const { return !dense_ || !dense_->distance.empty(); }
@@ -65,6 +79,7 @@ class DrawnField {
   using SparseSampler = Sampler<SparseTrilinear<TreeReader>>;
 
   const Field* dense_ = nullptr;
+  bool isBandElsewhere_ = false;
   double inside_, outside_;
   std::unique_ptr<const LeafTree> tree_;
   std::optional<EmptySpace> space_;

@@ -70,6 +70,7 @@ RenderColours describeColours(const DrawnScene& scene) {
   colours.isDifference = scene.numbers->isDifference();
   colours.isOnSurface = colouring.isOnSurface;
   colours.lineStep = static_cast<float>(colouring.lineStep);
+  colours.unknown = {glm::vec3(kNotFinite), 0.0f};
   colours.stopCount = static_cast<uint32_t>(colouring.stops.size());
   for (size_t s = 0; s < colouring.stops.size(); ++s)
     colours.stops[s] = {glm::vec3(colouring.stops[s].colour), static_cast<float>(colouring.stops[s].number)};

@@ -55,14 +55,9 @@ struct RenderColours {
   float lineStep;
   uint isDifference;  // Whether the distances are subtracted from the numbers.
   uint isOnSurface;   // Whether they colour the surface too.
+  vec4 unknown;       // Where a narrow band does not know the number.
 };
-RAYMAP_CHECK_SIZE(RenderColours, 192);
-
-struct RenderPicture {
-  RenderSceneData scene;
-  RenderColours colours;
-};
-RAYMAP_CHECK_SIZE(RenderPicture, 456);
+RAYMAP_CHECK_SIZE(RenderColours, 208);
 
 RAYMAP_SHARED_END
 

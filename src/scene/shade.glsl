@@ -1,5 +1,6 @@
 // GPU twin of cpu/render/shade.cpp. The shader that includes it has the headers of its constants and structs,
-// `push.shape`, `push.width`, `push.height`, and `trilinear`, which returns the value at a point of the grid.
+// `push.shape`, `push.width`, `push.height`, `trilinear`, which returns the value at a point of the grid, and
+// `plateauLength`, which returns how far a ray goes on from a point in samples of one value; 0: they differ or are unknown.
 
 #include "scene/sphere_trace.glsl"
 
@@ -76,14 +77,16 @@ vec3 background(RenderSceneData scene, Ray ray, vec2 at, float skipped) {
   return mix(scene.top, scene.bottom, at.y / push.height) * floorShade(scene, ray, skipped);
 }
 
-// Returns the ray's parameter where it meets the slice inside the grid; negative if it does not.
-float traceSlice(RenderSceneData scene, Ray ray) {
+// Returns the ray's parameter where it meets the slice inside the grid, which may lie before the ball around the shape;
+// `kFarthestRay` if it does not.
+float traceSlice(RenderSceneData scene, Ray ray, float skipped) {
   const float across = dot(ray.direction, scene.sliceNormal);
-  if (across == 0) return -1;
+  if (across == 0) return kFarthestRay;
   const float t = (scene.sliceOffset - dot(ray.origin, scene.sliceNormal)) / across;
   const vec3 p = ray.origin + t * ray.direction;
   const vec3 last = vec3(push.shape.nx, push.shape.ny, push.shape.nz) - 1;
-  return all(greaterThanEqual(p, vec3(-0.5))) && all(lessThanEqual(p, last + 0.5)) ? t : -1;
+  const bool isInGrid = all(greaterThanEqual(p, vec3(-0.5))) && all(lessThanEqual(p, last + 0.5));
+  return skipped + t >= 0 && isInGrid ? t : kFarthestRay;
 }
 
 vec3 encodeSrgb(vec3 linear) {

@@ -54,8 +54,10 @@ ShownNumbers::Source ShownNumbers::sourceOf(const DrawnField& field, const Rende
   }
   require(!options.otherBand,
           "a picture of a dense field shows no difference from a narrow band; make that dense by toDense");
-  if (const LeafTree* tree = field.tree())
-    return OfLeaves{{dims, {tree, &numbersOf(tree->band(), options.array)}}};
+  if (const LeafTree* tree = field.tree()) {
+    const Buffer<float>& numbers = numbersOf(tree->band(), options.array);
+    return OfLeaves{numbers, {dims, {tree, &numbers}}};
+  }
   const Field& first = *field.dense();
   const Buffer<float>& numbers = numbersOf(options.other ? *options.other : first, options.array);
   OfDense dense{.numbers = numbers, .between = {dims, numbers.data()}, .base = {}, .scale = 1.0};

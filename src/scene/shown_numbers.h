@@ -20,8 +20,12 @@ class ShownNumbers {
   /// samples.
   double at(const glm::dvec3& p) const;
   const Colouring& colouring() const { return colouring_; }
-  /// Returns the winding numbers, confidences, or distances of the second field, if both fields are dense.
-  const Buffer<float>& numbers() const { return std::get<OfDense>(source_).numbers; }
+  /// Returns the winding numbers, confidences, or distances of the second field. None are there of the
+  /// difference from a narrow band.
+  const Buffer<float>& numbers() const {
+    const OfLeaves* leaves = std::get_if<OfLeaves>(&source_);
+    return leaves ? leaves->numbers : std::get<OfDense>(source_).numbers;
+  }
   bool isDifference() const { return isDifference_; }
 
  private:
@@ -41,6 +45,7 @@ class ShownNumbers {
       const LeafTree* tree;
       const Buffer<float>* numbers;
     };
+    const Buffer<float>& numbers;
     SparseTrilinear<Reader> between;
   };
   /// The difference of a field from a narrow band. Clamped distances bound it: it is known all the same

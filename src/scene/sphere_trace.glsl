@@ -25,10 +25,12 @@ bool isOnCutFace(vec3 p) {
   return abs(cutDistance(p)) < kCutTolerance;
 }
 
+float hollowed(float d) {
+  return push.shape.wall > 0 ? max(d, -(d + push.shape.wall)) : d;
+}
+
 float shapeDistance(vec3 p) {
-  float d = fieldDistance(p);
-  if (push.shape.wall > 0) d = max(d, -(d + push.shape.wall));
-  return max(d, cutDistance(p));
+  return max(hollowed(fieldDistance(p)), cutDistance(p));
 }
 
 float stretched(float d) {
@@ -78,16 +80,25 @@ float refineHit(Ray ray, float outside, float inside, float dOut, float dIn) {
   return inside;
 }
 
+// Returns how far a ray may go on from a point whose distance is `d`, without meeting the surface.
+float rayStep(vec3 p, vec3 direction, float d) {
+  float value;
+  const float plateau = plateauLength(p, direction, value);
+  const bool isOpen = plateau > 0 && hollowed(value - push.shape.level) > 0;
+  return max(kCaution * d, isOpen ? plateau : 0);
+}
+
 // Returns the ray's parameter at the hit; negative if nothing is hit.
 float traceRay(Ray ray) {
   const vec2 part = clipToBall(ray);
   float before = part.x, dBefore = 1e30;
   for (float t = part.x; t <= part.y;) {
-    const float d = shapeDistance(ray.origin + t * ray.direction);
+    const vec3 p = ray.origin + t * ray.direction;
+    const float d = shapeDistance(p);
     if (d <= 0) return t > part.x ? refineHit(ray, before, t, dBefore, d) : t;
     before = t;
     dBefore = d;
-    t += max(kCaution * d, kLeastStep);
+    t += max(rayStep(p, ray.direction, d), kLeastStep);
   }
   return -1;
 }
@@ -95,9 +106,10 @@ float traceRay(Ray ray) {
 float softShadow(vec3 point, vec3 toLight) {
   const vec2 part = clipToBall(Ray(point, toLight));
   float clear = 1;
-  float dBefore = 1e9, stepped = 1;
+  float dBefore = kNothingNear, stepped = 1;
   for (float t = max(part.x, kShadowStart); t <= part.y;) {
-    const float d = shapeDistance(point + t * toLight);
+    const vec3 p = point + t * toLight;
+    const float d = shapeDistance(p);
     if (d <= 0) return 0;
     const float back = 0.5 * (stepped + (d - dBefore) / stepped * (d + dBefore));
     const bool isBetween = back > 0 && back < min(stepped, d);
@@ -105,8 +117,8 @@ float softShadow(vec3 point, vec3 toLight) {
     const float narrowest = stretched(d) * (isBetween ? sqrt(1 - share * share) : 1);
     clear = min(clear, narrowest / (kLightSize * (isBetween ? t - back : t)));
     if (clear < kDark) return 0;
-    dBefore = d;
-    stepped = max(kCaution * d, 4 * kLeastStep);
+    stepped = max(rayStep(p, toLight, d), 4 * kLeastStep);
+    dBefore = stepped > max(d, 4 * kLeastStep) ? kNothingNear : d;
     t += stepped;
   }
   return clear * clear * (3 - 2 * clear);

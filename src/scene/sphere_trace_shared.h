@@ -29,6 +29,8 @@ RAYMAP_CONSTANT RAYMAP_REAL kMostSecant = 0.99;
 
 // Tangent of the light's angular radius.
 RAYMAP_CONSTANT RAYMAP_REAL kLightSize = 0.11;
+// Distance, in samples, to a surface of which nothing is known.
+RAYMAP_CONSTANT RAYMAP_REAL kNothingNear = 1e9;
 // Shadow rays start here, and end where less of the light is left than `kDark`.
 RAYMAP_CONSTANT RAYMAP_REAL kShadowStart = 0.5;
 RAYMAP_CONSTANT RAYMAP_REAL kDark = 0.01;

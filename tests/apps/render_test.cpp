@@ -119,7 +119,6 @@ TEST_F(CliRender, DrawsNarrowBands) {
   expectFailure("render band.vdb other.vdb -o n.png --as confidence", ErrorCode::Usage, "leave out --as");
   expectFailure("render band.vdb -o n.png --as confidence", ErrorCode::Usage, "leave out --as");
   expectFailure("render band.vdb -o n.png --slice z --as confidence", ErrorCode::Usage, "leave out --as");
-  expectFailure("render band.vdb -o n.png --device vulkan", ErrorCode::Usage, "drawn on the CPU");
 }
 
 TEST_F(CliRender, WritesPages) {

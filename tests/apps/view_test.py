@@ -285,6 +285,20 @@ class ViewTest(unittest.TestCase):
         self.assertGreater(differ(faces, edges)[1], 0.05)
         self.close()
 
+    def test_shows_a_narrow_band(self):
+        band = self.folder / "band.vdb"  # All samples would take 32 GB.
+        subprocess.run([RAYMAP, "generate", self.cube("a.obj"), "-o", band, "--voxel-size", "0.01", "--bounds",
+                        "-10,-10,-10,10,10,10", "--band", "3", "-q"], check=True)
+        window = self.open(band, "--direction", "-1,0.5,-0.7")
+        picture, command = window.picture()
+        self.check_as_render(picture, command)
+        window.keys("x")
+        window.drag(1, (400, 200), (450, 210))
+        sliced, command = window.picture()
+        self.assertGreater(differ(sliced, picture)[1], 0.05)
+        self.check_as_render(sliced, command)
+        self.close()
+
     def cube(self, name, height=1):
         cube = self.folder / name
         corners = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1\n".replace(" 1\n", f" {height}\n")

@@ -12,6 +12,7 @@
 
 #include "kernel_statistics.h"
 #include "method/pipeline.h"
+#include "scene/scene.h"
 #include "testing/kernels/shader_names.h"
 #include "testing/kernels/spirv_counters.h"
 #include "testing/kernels/vulkan_entry.h"
@@ -149,6 +150,20 @@ class EveryStage : public FrameBackend {
   FieldOptions options_;
 };
 
+/// Those for narrow bands are made with the first picture.
+void makeKernelsOfPictures(Device& device) {
+  RenderFieldStage renders(device);
+  renders.makeKernels();
+  Commands nowhere(VK_NULL_HANDLE, device.pipelineLayout(), nullptr);
+  const Field elsewhere{.grid = {.dims = {64, 64, 64}, .spacing = 1.0}};
+  RenderOptions options{.frame = Box{glm::dvec3(0.0), glm::dvec3(63.0)}};
+  for (const FieldArray array : {FieldArray::Distance, FieldArray::Winding}) {
+    options.array = array;
+    renders.recordScene(nowhere, DrawnScene(DrawnField(elsewhere, 3.0, 3.0), options), 64, 64, {}, 4096);
+    renders.recordRows(nowhere, {}, {}, 0, 64);
+  }
+}
+
 void makeKernels(Device& device) {
   const Room room{.vertices = 30000, .triangles = 60000, .dims = {64, 64, 64}};
   // Meshes within the grid and beyond it have different kernels.
@@ -167,8 +182,8 @@ void makeKernels(Device& device) {
   EveryStage(device, with(DistanceMode::Raster, SignMode::Paths)).record(Sampling::Raymap);
   EveryStage(device, with(DistanceMode::Raster, SignMode::Evolution, 8.0)).record(Sampling::Paper);
   FieldImageStage(device).reserve(room.dims, VK_FORMAT_R16_SFLOAT);
-  const RenderFieldStage renders(device);
   const SkinStage skins(device);
+  makeKernelsOfPictures(device);
 }
 
 int run(uint32_t subgroupSize) {

@@ -9,6 +9,8 @@
 #include <functional>
 
 #include "analytic_fields.h"
+#include "bands.h"
+#include "error_code.h"
 #include "pictures.h"
 #include "shapes.h"
 #include "vulkan_device.h"
@@ -109,6 +111,45 @@ TEST_F(VulkanFrames, DrawNumbersAndDifferencesInColour) {
   const Picture ours = draw(range(second));
   options.other = &other;
   expectClose(ours, renderField(field, options));
+}
+
+TEST_F(VulkanFrames, DrawANarrowBand) {
+  std::vector<SparseField> bands = someBands();
+  const SparseField& band = bands[1];
+  ASSERT_NE(band.inside, band.outside);
+  const DeviceBuffer samples = upload(std::vector<float>(band.distance.begin(), band.distance.end())),
+                     index = upload(packLeafIndex(band));
+  DeviceBuffer pixels(device(), "pixels");
+  pixels.resize<uint32_t>(80 * 60);
+  FieldBuffer onDevice{.distance = range(samples),
+                       .grid = band.grid,
+                       .band = {.leafIndex = range(index), .inside = band.inside, .outside = band.outside}};
+  RenderOptions options{.width = 80, .height = 60, .frame = band.surfaceBounds};
+  Renderer renderer(device().handles());
+  for (const double iso : {0.0, -0.8 * band.inside, 0.8 * band.outside}) {
+    options.iso = iso;
+    run([&](Commands& commands) {
+      renderer.record(commands.handle(), onDevice, options, {.pixels = range(pixels)});
+    });
+    Picture ours{80, 60, {}};
+    for (const uint32_t pixel : download<uint32_t>(pixels))
+      for (const int shift : {0, 8, 16}) ours.rgb.push_back(uint8_t(pixel >> shift));
+    expectClose(ours, renderField(band, options, {.device = "cpu"}));
+  }
+  const auto refused = [&] {
+    return refusal([&](VkCommandBuffer commands) {
+      renderer.record(commands, onDevice, options, {.pixels = range(pixels)});
+    });
+  };
+  for (const double iso : {-band.inside, band.outside}) {
+    options.iso = iso;
+    EXPECT_EQ(refused(), ErrorCode::Usage);
+  }
+  options.iso = 0.0;
+  onDevice.values = range(samples);
+  EXPECT_EQ(refused(), ErrorCode::Usage);
+  bands[1].leaves[0].x += 1;
+  EXPECT_EQ(codeOf([&] { packLeafIndex(band); }), ErrorCode::Usage);
 }
 
 TEST_F(VulkanFrames, DrawThePicturesOfTheCpu) {

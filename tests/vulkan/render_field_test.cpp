@@ -3,6 +3,8 @@
 #include <limits>
 
 #include "analytic_fields.h"
+#include "bands.h"
+#include "error_code.h"
 #include "mesh_folder.h"
 #include "pictures.h"
 #include "scene/scene.h"
@@ -27,7 +29,9 @@ double solid(const glm::dvec3& p) {
 
 class VulkanRender : public VulkanTest {
  protected:
-  static Picture draw(const Field& field, const RenderOptions& options,
+  /// Of a dense field or a narrow band.
+  template <class AnyField>
+  static Picture draw(const AnyField& field, const RenderOptions& options,
                       const ProgressCallback& callback = {}) {
     Picture picture{options.width, options.height,
                     std::vector<uint8_t>(3 * size_t(options.width) * size_t(options.height))};
@@ -37,7 +41,8 @@ class VulkanRender : public VulkanTest {
     return picture;
   }
 
-  static void expectAsOnTheCpu(const Field& field, RenderOptions options = {}) {
+  template <class AnyField>
+  static void expectAsOnTheCpu(const AnyField& field, RenderOptions options = {}) {
     options.width = 160;
     options.height = 120;
     const Picture ours = draw(field, options);
@@ -78,6 +83,16 @@ TEST_F(VulkanRender, EyeIsoCutPlaneAndSlice) {
   expectAsOnTheCpu(field, options);
 }
 
+// Part of the slice is nearer to the eye than the ball around the shape.
+TEST_F(VulkanRender, ASliceBeforeTheShape) {
+  const Field field = sampled(cube(60, 4.0), [](const glm::dvec3& p) { return analytic::sphere(p, 0.3); });
+  const RenderOptions options{.direction = {-0.3, 0.3, -0.8}, .slice = Plane{{1.0, 0.0, 0.0}, 0.1}};
+  expectAsOnTheCpu(field, options);
+  const Picture picture = renderField(field, options, {.device = "cpu"});
+  const Picture open = renderField(field, {.direction = options.direction}, {.device = "cpu"});
+  EXPECT_NE(picture.rgb.front(), open.rgb.front());  // The slice fills the picture.
+}
+
 TEST_F(VulkanRender, NumbersAndDifferencesInColour) {
   Field field = sampled(cube(40, 2.0), solid);
   field.winding = sampled(cube(40, 2.0), [](const glm::dvec3& p) { return 3.0 * p.x + p.y; }).distance;
@@ -95,6 +110,68 @@ TEST_F(VulkanRender, NumbersAndDifferencesInColour) {
     options.range = range;
     expectAsOnTheCpu(field, options);
   }
+}
+
+TEST_F(VulkanRender, NarrowBands) {
+  size_t view = 0;  // Each band is drawn in two views of four.
+  for (const SparseField& band : someBands()) {
+    const double width = std::min(band.inside, band.outside);
+    const glm::dvec3 middle = band.grid.position(0.5 * glm::dvec3(band.grid.dims - 1));
+    const RenderOptions views[] = {
+        {.direction = {0.3, 1.0, 0.2}, .iso = 0.5 * width},
+        {.cut = true, .shell = 0.6 * width},
+        {.direction = {1, 0.1, 0}, .fieldOfView = 100.0, .eye = middle + 0.1},
+        {.slice = Plane{{0.2, 0.1, 1.0}, 0.05}},
+    };
+    for (int n = 0; n < 2; ++n) expectAsOnTheCpu(band, views[view++ % std::size(views)]);
+  }
+}
+
+TEST_F(VulkanRender, NumbersOfNarrowBandsInColour) {
+  const std::vector<SparseField> bands = someBands();
+  const SparseField& band = bands.front();
+  RenderOptions options{.cutPlane = Plane{{2.0, 1.0, 0.0}, 0.4}, .slice = Plane{{0.0, 0.2, 1.0}, 0.1}};
+  for (const FieldArray array : {FieldArray::Winding, FieldArray::Confidence}) {
+    options.array = array;
+    expectAsOnTheCpu(band, options);
+    // The CPU draws violet what the band does not know, and so does the device.
+    const Picture picture = renderField(band, options, {.device = "cpu"});
+    size_t violet = 0;
+    for (size_t p = 0; p < picture.rgb.size(); p += 3)
+      violet += picture.rgb[p] == 140 && picture.rgb[p + 1] == 60 && picture.rgb[p + 2] == 160 ? 1 : 0;
+    EXPECT_GT(violet, 1000u);
+  }
+}
+
+TEST_F(VulkanRender, BandsWithFewSamples) {
+  const Mesh ball = shapes::sphere(1.0, 2);
+  expectAsOnTheCpu(Surface(ball).generateBand({{200, 1, 150}, {-1.4, 0.1, -1.2}, 0.014}));
+  expectAsOnTheCpu(Surface(ball).generateBand({{1, 1, 90}, {0.0, 0.0, -1.0}, 0.02}));
+  expectAsOnTheCpu(Surface(ball).generateBand({{30, 30, 30}, {5.0, 5.0, 5.0}, 0.1}));  // Nothing is near.
+}
+
+// A dense field of as many samples would need 1.6 GB.
+TEST_F(VulkanRender, RaysOfALargeBandTakeFewSteps) {
+  const Mesh ball = shapes::sphere(1.0, 4);
+  const SparseField band = Surface(ball).generateBand(fitGrid(ball, {.resolution = 740}));
+  expectAsOnTheCpu(band);
+  expectAsOnTheCpu(band, {.cut = true});
+  const auto stepsOf = [&](const SparseField& drawn) {
+    const DrawnScene scene(drawn, {.width = 64, .height = 48});
+    const DeviceBuffer samples = upload(std::vector<float>(drawn.distance.begin(), drawn.distance.end())),
+                       index = upload(scene.shape.field().leafIndex(1.0)),
+                       steps = upload(std::vector<uint32_t>{0});
+    DeviceBuffer pixels(device(), "pixels");
+    pixels.resize<uint32_t>(size_t{64} * 48);
+    RenderFieldStage stage(device());
+    run([&](Commands& commands) {
+      stage.recordScene(commands, scene, 64, 48, {}, index.address());
+      stage.recordRows(commands, {samples.address(), float(1.0 / drawn.grid.spacing)},
+                       {.colour = pixels.address(), .steps = steps.address()}, 0, 48);
+    });
+    return download<uint32_t>(steps).at(0) / (64.0 * 48.0);
+  };
+  EXPECT_LT(stepsOf(band), 40.0);  // Steps of 0.9 of the band's width would be 200 for a ray that passes by.
 }
 
 // Another kernel, here an upload, left the field on the device, in the mesh's units.
@@ -224,6 +301,12 @@ TEST_F(VulkanRender, ByName) {
   const RenderOptions options{.width = 64, .height = 48};
   const Picture ours = renderField(field, options, {.device = "vulkan"});
   expectClose(ours, renderField(field, options, {.device = "cpu"}));
+  const SparseField band = toSparse(field);
+  expectClose(renderField(band, options, {.device = "vulkan"}),
+              renderField(band, options, {.device = "cpu"}));
+  RenderOptions ofBoth = options;
+  ofBoth.other = &field;
+  EXPECT_EQ(codeOf([&] { renderField(band, ofBoth, {.device = "vulkan"}); }), ErrorCode::Usage);
   for (const auto& [name, code] :
        {std::pair("gpu", ErrorCode::Usage), std::pair("vulkan:99", ErrorCode::Unsupported)}) {
     try {

@@ -15,8 +15,6 @@ namespace raymap::cpu {
 
 namespace {
 
-constexpr double kNothingNear = 1e9;  // A distance, in samples.
-
 /// Returns the part of the ray inside a ball around the shape: {first, last}, empty if last < first.
 glm::dvec2 clipToBall(const Shape& shape, const Ray& ray) {
   const glm::dvec3 toCentre = shape.centre() - ray.origin;

@@ -25,6 +25,10 @@ float trilinear(vec3 q) {
   return texture(samples, (q + 0.5) / vec3(push.shape.nx, push.shape.ny, push.shape.nz)).r;
 }
 
+float plateauLength(vec3 p, vec3 direction, out float value) {
+  return 0;  // The field is dense.
+}
+
 #include "scene/shade.glsl"
 
 float valueAt(vec3 p) {
@@ -47,9 +51,9 @@ vec3 pointColour(vec3 p, float pixel) {
 vec3 seen(vec2 at) {
   float skipped;
   const Ray ray = cameraRay(push.scene, at, skipped);
-  const float slice = traceSlice(push.scene, ray);
+  const float slice = traceSlice(push.scene, ray, skipped);
   const float t = traceRay(ray);
-  if (slice >= 0 && (t < 0 || slice < t))
+  if (slice < kFarthestRay && (t < 0 || slice < t))
     return pointColour(ray.origin + slice * ray.direction, (skipped + slice) * push.scene.pixelAngle);
   if (t < 0) return background(push.scene, ray, at, skipped);
   const vec3 p = ray.origin + t * ray.direction;

@@ -36,7 +36,7 @@ class Bands {
 
 /// Scales numbers, as the CPU does when it draws.
 void fillSamples(const raymap::Buffer<float>& numbers, double scale, std::span<float> samples) {
-  parallelFor(samples.size(), size_t{1} << 16, [&](size_t begin, size_t end) {
+  parallelFor(numbers.size(), size_t{1} << 16, [&](size_t begin, size_t end) {
     for (size_t s = begin; s < end; ++s)
       samples[s] = static_cast<float>(std::clamp(numbers[s] * scale, -kFarthestRay, kFarthestRay));
   });
@@ -44,19 +44,26 @@ void fillSamples(const raymap::Buffer<float>& numbers, double scale, std::span<f
 
 /// Buffers for a field on its way to the device and a picture on its way back.
 struct Buffers {
-  Buffers(Device& device, size_t samples, bool hasValues, size_t pixelCount)
+  Buffers(Device& device, size_t samples, bool hasValues, std::span<const uint32_t> leafIndex,
+          size_t pixelCount)
       : uploadedField(device, "field upload", MemoryUse::Upload),
         field(device, "field to draw"),
         uploadedValues(device, "numbers upload", MemoryUse::Upload),
         values(device, "numbers to draw"),
+        uploadedIndex(device, "index upload", MemoryUse::Upload),
+        index(device, "index of leaves"),
         pixels(device, "pixels"),
         picture(device, "picture for the host", MemoryUse::ReadBack) {
     for (DeviceBuffer* buffer : {&uploadedField, &field}) buffer->resize<float>(samples);
     if (hasValues)
       for (DeviceBuffer* buffer : {&uploadedValues, &values}) buffer->resize<float>(samples);
+    if (!leafIndex.empty()) {
+      for (DeviceBuffer* buffer : {&uploadedIndex, &index}) buffer->resize<uint32_t>(leafIndex.size());
+      std::ranges::copy(leafIndex, uploadedIndex.mapped<uint32_t>().begin());
+    }
     for (DeviceBuffer* buffer : {&pixels, &picture}) buffer->resize<uint32_t>(pixelCount);
   }
-  DeviceBuffer uploadedField, field, uploadedValues, values, pixels, picture;
+  DeviceBuffer uploadedField, field, uploadedValues, values, uploadedIndex, index, pixels, picture;
 };
 
 void take(std::span<const uint32_t> pixels, Picture& picture) {
@@ -68,13 +75,16 @@ void take(std::span<const uint32_t> pixels, Picture& picture) {
 }  // namespace
 
 void drawScene(Device& device, const DrawnScene& scene, Progress& progress, Picture& picture) {
-  const Field& field = *scene.shape.field().dense();
+  const DrawnField& field = scene.shape.field();
+  const LeafTree* tree = field.tree();
   RenderFieldStage stage(device);
   stage.checkScene(scene);
   const ShownNumbers* shown = scene.numbers ? &*scene.numbers : nullptr;
-  Buffers buffers(device, field.distance.size(), shown, picture.rgb.size() / 3);
-  const double scale = 1.0 / field.grid.spacing;
-  fillSamples(field.distance, scale, buffers.uploadedField.mapped<float>());
+  const double scale = 1.0 / field.grid().spacing;
+  Buffers buffers(device, std::max(field.sampleCount(), size_t{1}), shown,
+                  tree ? field.leafIndex(scale) : std::vector<uint32_t>(), picture.rgb.size() / 3);
+  fillSamples(tree ? tree->band().distance : field.dense()->distance, scale,
+              buffers.uploadedField.mapped<float>());
   if (shown)
     fillSamples(shown->numbers(), shown->isDifference() ? scale : 1.0,
                 buffers.uploadedValues.mapped<float>());
@@ -85,8 +95,9 @@ void drawScene(Device& device, const DrawnScene& scene, Progress& progress, Pict
     buffer.submitAndWait();
   };
   run([&](Commands& commands) {
-    stage.recordScene(commands, scene, picture.width, picture.height, {});
+    stage.recordScene(commands, scene, picture.width, picture.height, {}, tree ? buffers.index.address() : 0);
     commands.copy(buffers.uploadedField, buffers.field, buffers.field.bytes());
+    if (tree) commands.copy(buffers.uploadedIndex, buffers.index, buffers.index.bytes());
     if (shown) commands.copy(buffers.uploadedValues, buffers.values, buffers.values.bytes());
   });
   const RenderFieldStage::Samples samples{.address = buffers.field.address(),

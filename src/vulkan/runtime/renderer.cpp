@@ -25,8 +25,13 @@ GridMotion motionOf(const FieldBuffer& field) {
 
 }  // namespace
 
+std::vector<uint32_t> packLeafIndex(const SparseField& band) {
+  validate(band);
+  return DrawnField(band).leafIndex(1.0);
+}
+
 struct Renderer::Impl {
-  explicit Impl(const DeviceHandles& handles) : device(handles), stage(device) {}
+  explicit Impl(const DeviceHandles& handles) : device(handles), stage(device) { stage.makeKernels(); }
   Device device;
   RenderFieldStage stage;
 };
@@ -68,11 +73,18 @@ void Renderer::record(VkCommandBuffer commands, const FieldBuffer& field, const 
   } else if (options.array != FieldArray::Distance) {
     throw Error(ErrorCode::Usage, "drawing an array in colour needs a buffer of its numbers");
   }
-  const DrawnScene scene(elsewhere, shown);
+  const BandBuffer& band = field.band;
+  const bool isBand = band.leafIndex.buffer != VK_NULL_HANDLE;
+  if (isBand && shown.other)
+    throw Error(ErrorCode::Usage, "a device draws no difference from a narrow band; draw it on the CPU");
+  const VkDeviceAddress leafIndex =
+      isBand ? addressOf(impl_->device.handle(), band.leafIndex, "the index of leaves") : 0;
+  const DrawnScene scene(isBand ? DrawnField(elsewhere, band.inside, band.outside) : DrawnField(elsewhere),
+                         shown);
   impl_->stage.checkScene(scene);
   Commands work(commands, impl_->device.pipelineLayout(), nullptr);
   waitForAll(commands);
-  impl_->stage.recordScene(work, scene, options.width, options.height, motion);
+  impl_->stage.recordScene(work, scene, options.width, options.height, motion, leafIndex);
   impl_->stage.recordRows(work, samples, picture, target.firstRow, rows);
   showAll(commands);
 }

@@ -183,7 +183,7 @@ void requireSamePicture(const Picture& ours, const Picture& theirs) {
 }
 
 void checkRenderField(Subject& subject) {
-  const auto compare = [&](const std::string& name, const Field& field, RenderOptions options) {
+  const auto compare = [&](const std::string& name, const auto& field, RenderOptions options) {
     options.width = 80;
     options.height = 60;
     const DrawnScene scene(field, options);
@@ -196,7 +196,8 @@ void checkRenderField(Subject& subject) {
   };
   compare("solid", notchedBox(24, 0.0), {});
   compare("cut and hollow", notchedBox(32, 0.0), {.cut = true, .shell = 0.15});
-  compare("band", notchedBox(32, 0.2), {.direction = {1.0, -0.5, 0.4}});
+  compare("clamped", notchedBox(32, 0.2), {.direction = {1.0, -0.5, 0.4}});
+  compare("narrow band", toSparse(notchedBox(48, 0.0)), {.direction = {1.0, -0.5, 0.4}});
 }
 
 }  // namespace

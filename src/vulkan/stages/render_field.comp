@@ -5,13 +5,14 @@
 #include "scene/scene_shared.h"
 #include "scene/sphere_trace_shared.h"
 
-layout(buffer_reference, scalar, buffer_reference_align = 4) buffer RenderPictures { RenderPicture at[]; };
-
 #include "vulkan/stages/render_field_push.h"
 
 layout(constant_id = 1) const uint kHasNumbers = 0;  // Whether numbers are in colour; takes more registers.
-layout(constant_id = 2) const uint kCountsSteps = 0;  // Whether steps are counted; takes more registers.
+layout(constant_id = 2) const uint kIsBand = 0;  // Whether the field is a narrow band.
+layout(constant_id = 3) const uint kCountsSteps = 0;  // Whether steps are counted; takes more registers.
 layout(push_constant, scalar) uniform Push { RenderFieldPush push; };
+
+const float kNotKnown = kLargestFloat;  // A number that a narrow band does not know.
 
 shared vec3 lights[kRenderGroup];
 shared float depths[kRenderGroup];
@@ -37,15 +38,28 @@ float between(Floats samples, vec3 q) {
   return low + share.z * (sheet(samples, at + (dims.z > 1 ? uint(dims.x * dims.y) : 0), share.xy) - low);
 }
 
+#include "scene/drawn_field.glsl"
+
 float trilinear(vec3 q) {
   if (kCountsSteps != 0) ++samplings;
-  return clamp(push.scale * between(push.samples, q), -kFarthestRay, kFarthestRay);
+  bool isKnown;
+  const float value = kIsBand != 0 ? betweenLeaves(push.samples, q, isKnown) : between(push.samples, q);
+  return clamp(push.scale * value, -kFarthestRay, kFarthestRay);
+}
+
+float plateauLength(vec3 p, vec3 direction, out float value) {
+  return kIsBand != 0 ? emptyLength(p, direction, value) : 0;
 }
 
 #include "scene/shade.glsl"
 
 float valueAt(vec3 p) {
   const vec3 q = max(vec3(0), min(p, vec3(push.shape.nx, push.shape.ny, push.shape.nz) - 1));
+  if (kIsBand != 0) {
+    bool isKnown;
+    const float inLeaves = betweenLeaves(push.values, q, isKnown);
+    return isKnown ? inLeaves : kNotKnown;
+  }
   const float value = between(push.values, q);
   return push.picture.at[0].colours.isDifference != 0 ? push.scale * value - trilinear(q) : value;
 }
@@ -57,6 +71,7 @@ vec4 stopAt(uint i) {
 #include "scene/colouring.glsl"
 
 vec3 numberColour(RenderSceneData scene, vec3 p, float pixel) {
+  if (kIsBand != 0 && valueAt(p) == kNotKnown) return push.picture.at[0].colours.unknown.rgb;
   return valueColour(scene, p, pixel, push.picture.at[0].colours.stopCount, push.picture.at[0].colours.lineStep);
 }
 
@@ -76,15 +91,18 @@ vec3 light(RenderSceneData scene, vec2 at, uint local) {
   const Ray ray = cameraRay(scene, at, skipped);
   const float t = traceRay(ray);
   if (kCountsSteps != 0) stepCounts[local] = samplings;
-  const float slice = traceSlice(scene, ray);
-  const bool isSlice = slice >= 0 && (t < 0 || slice < t);
+  const float slice = traceSlice(scene, ray, skipped);
+  const bool isSlice = slice < kFarthestRay && (t < 0 || slice < t);
   depths[local] = isSlice ? skipped + slice : t >= 0 ? skipped + t : kNothingThere;
   if (kHasNumbers != 0 && (isSlice || t >= 0)) {
     const float seen = isSlice ? slice : t;
     const vec3 p = ray.origin + seen * ray.direction;
     if (isSlice || isOnCutFace(p)) return numberColour(scene, p, (skipped + seen) * scene.pixelAngle);
-    if (push.picture.at[0].colours.isOnSurface != 0)
-      scene.clay = colourOf(valueAt(p), push.picture.at[0].colours.stopCount);
+    if (push.picture.at[0].colours.isOnSurface != 0) {
+      const float value = valueAt(p);
+      scene.clay = kIsBand != 0 && value == kNotKnown ? push.picture.at[0].colours.unknown.rgb
+                                                     : colourOf(value, push.picture.at[0].colours.stopCount);
+    }
   }
   if (isSlice) return sliceColour(scene, ray.origin + slice * ray.direction, (skipped + slice) * scene.pixelAngle);
   return t >= 0 ? surface(scene, ray, t, skipped) : background(scene, ray, at, skipped);

@@ -12,24 +12,25 @@
 
 namespace raymap::vulkan {
 
-RenderFieldStage::RenderFieldStage(Device& device)
-    : device_(&device),
-      distances_(device, shaders::kRenderField, kRenderGroup, {0, 0}),
-      numbers_(device, shaders::kRenderField, kRenderGroup, {1, 0}),
-      picture_(device, "scene") {
+RenderFieldStage::RenderFieldStage(Device& device) : device_(&device), picture_(device, "scene") {
   picture_.resize<RenderPicture>(1);
-  // Makes the kernels now, not while a frame is recorded.
-  distances_.handle();
-  numbers_.handle();
+}
+
+void RenderFieldStage::makeKernels() {
+  for (const bool hasNumbers : {false, true}) kernel({hasNumbers, false, false}).handle();
 }
 
 /// Per sample of the ball's radius, a ray takes up to 40 steps to meet or miss the shape, and 10 more to the
 /// light. Both cross the ball around the shape.
 void RenderFieldStage::checkScene(const DrawnScene& scene) const {
-  const size_t count = scene.shape.field().grid().sampleCount();
-  if (count > size_t{std::numeric_limits<int32_t>::max()})
-    throw Error(ErrorCode::Unsupported, "the field has " + std::to_string(count) +
-                                            " samples; a device draws up to 2147483647, draw it on the CPU");
+  const DrawnField& field = scene.shape.field();
+  const auto check = [](size_t count, const char* what) {
+    if (count > size_t{std::numeric_limits<int32_t>::max()})
+      throw Error(ErrorCode::Unsupported, "the field has " + std::to_string(count) + what +
+                                              "; a device draws up to 2147483647, draw it on the CPU");
+  };
+  check(field.sampleCount(), " samples");
+  check(field.leafIndexCount(), " words in the index of its leaves");
   // Some software drivers silently end loops after 65,535 iterations. Other drivers may give up a device that
   // is busy for seconds. Far beyond this size, a step is too small to change a position.
   const double most = device_->info().type == DeviceType::Software ? 1250.0 : 16384.0;
@@ -41,24 +42,25 @@ void RenderFieldStage::checkScene(const DrawnScene& scene) const {
 }
 
 void RenderFieldStage::recordScene(Commands& commands, const DrawnScene& scene, int width, int height,
-                                   const GridMotion& motion) {
+                                   const GridMotion& motion, VkDeviceAddress leafIndex) {
   hasNumbers_ = scene.numbers.has_value();
+  isBand_ = leafIndex != 0;
   push_ = {.picture = picture_.address(),
            .shape = describe(scene.shape),
            .width = static_cast<uint32_t>(width),
            .height = static_cast<uint32_t>(height)};
-  RenderPicture picture{describe(scene), describeColours(scene)};
+  RenderPicture picture{describe(scene), describeColours(scene), leafIndex};
   move(motion, push_.shape, picture.scene);
   commands.update(picture_, picture);
 }
 
-Kernel<RenderFieldPush>& RenderFieldStage::kernel(bool countsSteps) {
-  if (!countsSteps) return hasNumbers_ ? numbers_ : distances_;
-  std::optional<Kernel<RenderFieldPush>>& counting = counting_[hasNumbers_ ? 1 : 0];
-  if (!counting)
-    counting.emplace(*device_, shaders::kRenderField, kRenderGroup,
-                     std::initializer_list<uint32_t>{hasNumbers_ ? 1U : 0U, 1});
-  return *counting;
+Kernel<RenderFieldPush>& RenderFieldStage::kernel(const Variant& variant) {
+  const uint32_t hasNumbers = variant.hasNumbers, isBand = variant.isBand, countsSteps = variant.countsSteps;
+  std::optional<Kernel<RenderFieldPush>>& kernel = kernels_[hasNumbers + 2 * isBand + 4 * countsSteps];
+  if (!kernel)
+    kernel.emplace(*device_, shaders::kRenderField, kRenderGroup,
+                   std::initializer_list<uint32_t>{hasNumbers, isBand, countsSteps});
+  return *kernel;
 }
 
 void RenderFieldStage::recordRows(Commands& commands, const Samples& samples, const Pixels& pixels, int first,
@@ -73,7 +75,8 @@ void RenderFieldStage::recordRows(Commands& commands, const Samples& samples, co
   push_.steps = pixels.steps;
   push_.firstRow = static_cast<uint32_t>(first);
   push_.rows = static_cast<uint32_t>(count);
-  commands.dispatch(kernel(pixels.steps != 0), push_, tiles(push_.width) * tiles(push_.rows) * kRenderGroup);
+  commands.dispatch(kernel({hasNumbers_, isBand_, pixels.steps != 0}), push_,
+                    tiles(push_.width) * tiles(push_.rows) * kRenderGroup);
 }
 
 }  // namespace raymap::vulkan

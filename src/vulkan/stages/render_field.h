@@ -23,8 +23,8 @@ class RenderFieldStage {
     VkDeviceAddress depth = 0;
     VkDeviceAddress steps = 0;  ///< Takes the sum of the pixels' steps; 0: not wanted.
   };
-  /// Samples of the scene's field, x fastest, in any buffer. `scale` is the number of the scene's units,
-  /// spacings, per unit of the samples; a second field has the same.
+  /// Samples of the scene's field, x fastest, or of each leaf of a narrow band, in any buffer. `scale` is the
+  /// number of the scene's units, spacings, per unit of the samples; a second field has the same.
   struct Samples {
     VkDeviceAddress address = 0;
     float scale = 1.0F;
@@ -32,22 +32,28 @@ class RenderFieldStage {
   };
 
   explicit RenderFieldStage(Device& device);
+  /// Makes the kernels for dense fields now, and not while a frame is recorded.
+  void makeKernels();
 
   /// Throws `Error(Unsupported)` if a ray would need more steps than the device can run reliably.
   void checkScene(const DrawnScene& scene) const;
-  /// Uploads a scene that `checkScene` accepted, before a grid that has moved.
+  /// Uploads a scene that `checkScene` accepted, before a grid that has moved. `leafIndex` is the address of
+  /// `DrawnField::leafIndex`, in the samples' units, if the field is a narrow band.
   void recordScene(Commands& commands, const DrawnScene& scene, int width, int height,
-                   const GridMotion& motion);
+                   const GridMotion& motion, VkDeviceAddress leafIndex = 0);
   /// Draws `count` rows from row `first` on, counted from the top.
   void recordRows(Commands& commands, const Samples& samples, const Pixels& pixels, int first, int count);
 
  private:
-  Kernel<RenderFieldPush>& kernel(bool countsSteps);
+  /// What a kernel is specialised for.
+  struct Variant {
+    bool hasNumbers, isBand, countsSteps;
+  };
+  Kernel<RenderFieldPush>& kernel(const Variant& variant);
 
   Device* device_;
-  Kernel<RenderFieldPush> distances_, numbers_;
-  std::array<std::optional<Kernel<RenderFieldPush>>, 2> counting_;  // The same two, made when needed first.
-  bool hasNumbers_ = false;
+  std::array<std::optional<Kernel<RenderFieldPush>>, 8> kernels_;  // Made when needed first.
+  bool hasNumbers_ = false, isBand_ = false;
   RenderFieldPush push_{};
   DeviceBuffer picture_;
 };

@@ -11,6 +11,19 @@ RAYMAP_SHARED_BEGIN(raymap::vulkan)
 RAYMAP_CONSTANT uint kRenderTile = 4;  // Pixels along a side of a group's tile.
 RAYMAP_CONSTANT uint kRenderGroup = kRenderTile * kRenderTile * kSubPixelCount;  // A ray each.
 
+struct RenderPicture {
+  RenderSceneData scene;
+  RenderColours colours;
+  RAYMAP_ADDRESS(Uints) leafIndex;  // Of a narrow band, as `DrawnField::leafIndex` gives it.
+};
+RAYMAP_CHECK_SIZE(RenderPicture, 480);
+
+#ifndef __cplusplus
+layout(buffer_reference, scalar, buffer_reference_align = 8) buffer RenderPictures {
+  RenderPicture at[];
+};
+#endif
+
 struct RenderFieldPush {
   RAYMAP_ADDRESS(Floats) samples;
   RAYMAP_ADDRESS(Floats) values;  // Numbers in colour, if they are no distances.
