@@ -151,25 +151,27 @@ void renderFrames(RenderArguments& arguments) {
   writer.finish();
 }
 
-using MeshOrField = std::variant<Mesh, Field>;
 using MeshFieldOrBand = std::variant<Mesh, Field, SparseField>;
 
-/// Returns the grid on which two shapes are shown: that of a field, the first one's rather, or one over both
-/// meshes.
-Grid gridOfBoth(const MeshOrField& first, const MeshOrField& second, const GridOptions& options) {
-  for (const MeshOrField* each : {&first, &second})
+/// Returns the grid on which two shapes are shown: that of a field or a band, the first one's rather, or one
+/// over both meshes.
+Grid gridOfBoth(const MeshFieldOrBand& first, const MeshFieldOrBand& second, const GridOptions& options) {
+  for (const MeshFieldOrBand* each : {&first, &second}) {
     if (const Field* field = std::get_if<Field>(each)) return field->grid;
+    if (const SparseField* band = std::get_if<SparseField>(each)) return band->grid;
+  }
   const Box box = bounds(std::get<Mesh>(first)), more = bounds(std::get<Mesh>(second));
   return fitGrid(Box{glm::min(box.min, more.min), glm::max(box.max, more.max)}, options);
 }
 
-MeshOrField load(const fs::path& path, const RenderArguments& arguments) {
-  return loadMeshOrField(path, arguments.format.input, arguments.format.grid, arguments.units);
+MeshFieldOrBand load(const fs::path& path, const RenderArguments& arguments) {
+  return loadMeshFieldOrBand(path, arguments.format.input, arguments.format.grid, arguments.units);
 }
 
-/// Returns a field as it is, or that of a mesh on a grid.
-Field fieldOf(MeshOrField& shape, const Grid& grid, const RenderArguments& arguments) {
+/// Returns a field as it is, that of a mesh on a grid, or the dense one of a band.
+Field fieldOf(MeshFieldOrBand& shape, const Grid& grid, const RenderArguments& arguments) {
   if (const Mesh* mesh = std::get_if<Mesh>(&shape)) return makeField(*mesh, grid, arguments);
+  if (const SparseField* band = std::get_if<SparseField>(&shape)) return toDense(*band, arguments.machine);
   return std::move(std::get<Field>(shape));
 }
 
@@ -181,19 +183,12 @@ Picture drawBand(const SparseField& band, const MeshFieldOrBand& second, const R
 }
 
 /// Draws a shape in the colours of its difference from another one, or in those of --as.
-Picture drawDense(MeshOrField first, MeshOrField second, const RenderArguments& arguments) {
+Picture drawDense(MeshFieldOrBand& first, MeshFieldOrBand& second, const RenderArguments& arguments) {
   const Grid grid = gridOfBoth(first, second, arguments.grid);
   Field field = fieldOf(first, grid, arguments);
   if (!arguments.as.empty()) return draw(field, chooseArray(arguments.input, arguments.as, field), arguments);
   const Field other = fieldOf(second, grid, arguments);
   return draw(field, FieldArray::Distance, arguments, "", &other);
-}
-
-/// Returns a shape as it is, or the dense field of a narrow band.
-MeshOrField withoutBand(MeshFieldOrBand shape, const MachineOptions& machine) {
-  if (const SparseField* band = std::get_if<SparseField>(&shape)) return toDense(*band, machine);
-  if (Mesh* mesh = std::get_if<Mesh>(&shape)) return std::move(*mesh);
-  return std::get<Field>(std::move(shape));
 }
 
 /// Draws the first of two shapes. Large level sets stay narrow bands, if the second shape is not a mesh.
@@ -202,56 +197,87 @@ void renderOneOfTwo(RenderArguments& arguments) {
     throw Error(ErrorCode::Usage,
                 "a map of a slice shows one shape; show two on a plane with --slice-plane, or compare their "
                 "fields by 'raymap compare'");
-  const auto loadAny = [&](const fs::path& path) {
-    return loadMeshFieldOrBand(path, arguments.format.input, arguments.format.grid, arguments.units);
-  };
-  MeshFieldOrBand first = loadAny(arguments.input), second = loadAny(arguments.other);
+  MeshFieldOrBand first = load(arguments.input, arguments), second = load(arguments.other, arguments);
   const SparseField* band = std::get_if<SparseField>(&first);
   const bool isMeshNeeded = std::holds_alternative<Mesh>(second) && arguments.as.empty();
-  const auto dense = [&](MeshFieldOrBand& shape) { return withoutBand(std::move(shape), arguments.machine); };
-  writePng(arguments.picture, band && !isMeshNeeded ? drawBand(*band, second, arguments)
-                                                    : drawDense(dense(first), dense(second), arguments));
+  writePng(arguments.picture,
+           band && !isMeshNeeded ? drawBand(*band, second, arguments) : drawDense(first, second, arguments));
   printWritten(arguments.picture);
 }
 
-/// Writes a page of a field, or of two. It has all arrays of one field, and the defects of a mesh.
-void renderPage(RenderArguments& arguments) {
-  if (!arguments.slice.empty())
-    throw Error(ErrorCode::Usage, "a page moves its own slice; leave out --slice");
-  MeshOrField first = load(arguments.input, arguments);
-  std::optional<MeshOrField> second;
-  if (!arguments.other.empty()) second = load(arguments.other, arguments);
-  arguments.options.winding = arguments.options.confidence = !second && arguments.options.thickness == 0.0;
-  const Mesh* mesh = std::get_if<Mesh>(&first);
-  if (mesh) validate(*mesh);
-  const Grid grid = second ? gridOfBoth(first, *second, arguments.grid)
-                    : mesh ? fitGrid(*mesh, arguments.grid)
-                           : Grid{};
-  Field field = fieldOf(first, grid, arguments);
-  if (mesh) arguments.page.mesh = *mesh;
-  arguments.page.array = chooseArray(arguments.input, arguments.as, field);
-  if (field.distance.empty())
+using FieldOrBand = std::variant<Field, SparseField>;
+
+/// Returns a field or a band as it is, or the field of a mesh on a grid.
+FieldOrBand fieldOrBandOf(MeshFieldOrBand& shape, const Grid& grid, const RenderArguments& arguments) {
+  if (SparseField* band = std::get_if<SparseField>(&shape)) return std::move(*band);
+  return fieldOf(shape, grid, arguments);
+}
+
+/// Returns the array of a page's first shape in whose colours it begins.
+FieldArray arrayOf(FieldOrBand& shape, const RenderArguments& arguments) {
+  const FieldArray array =
+      std::visit([&](auto& each) { return chooseArray(arguments.input, arguments.as, each); }, shape);
+  const Field* field = std::get_if<Field>(&shape);
+  if (field && field->distance.empty())
     throw Error(ErrorCode::Usage, arguments.input.string() +
                                       ": it has no distances, and a page shows a surface; " +
                                       "draw a slice of it as a .png, with --slice x, y or z");
-  Field other;
-  if (second) other = fieldOf(*second, grid, arguments);
-  const bool isResampled = second && other.grid != field.grid;
-  if (second) arguments.page.other = &other;
+  return array;
+}
+
+/// Says what a page does not show of its shapes as they are.
+void printShown(const Page& page, const FieldOrBand& first, const FieldOrBand* second,
+                const PageOptions& options) {
+  const auto gridOf = [](const FieldOrBand& shape) {
+    return std::visit([](const auto& each) { return each.grid; }, shape);
+  };
+  const Grid grid = gridOf(first);
+  const glm::ivec3 shown = page.grid.dims, all = grid.dims;
+  if (shown != all)
+    std::printf("it shows %d x %d x %d samples of %d x %d x %d; more with --max-size\n", shown.x, shown.y,
+                shown.z, all.x, all.y, all.z);
+  const SparseField* band = std::get_if<SparseField>(&first);
+  if (band && heldArrays(*band).size() > 1)
+    std::printf("it shows the distances of the narrow band; a picture can show its other arrays\n");
+  if (second && gridOf(*second) != grid && gridOf(*second) != page.grid)
+    std::printf("it shows %s on the grid of %s\n", options.otherTitle.c_str(), options.title.c_str());
+}
+
+/// Writes a page of a shape, or of two. It has all arrays of one field, and the defects of a mesh.
+void renderPage(RenderArguments& arguments) {
+  if (!arguments.slice.empty())
+    throw Error(ErrorCode::Usage, "a page moves its own slice; leave out --slice");
+  MeshFieldOrBand first = load(arguments.input, arguments);
+  std::optional<MeshFieldOrBand> second;
+  if (!arguments.other.empty()) second = load(arguments.other, arguments);
+  arguments.options.winding = arguments.options.confidence = !second && arguments.options.thickness == 0.0;
+  if (const Mesh* mesh = std::get_if<Mesh>(&first)) {
+    validate(*mesh);
+    arguments.page.mesh = *mesh;
+  }
+  Grid grid = gridOfBoth(first, second ? *second : first, arguments.grid);
+  const auto isBand = [](const MeshFieldOrBand& shape) { return std::holds_alternative<SparseField>(shape); };
+  if (isBand(first) || (second && isBand(*second))) grid = pageGrid(grid, arguments.page.maxSize);
+  FieldOrBand field = fieldOrBandOf(first, grid, arguments);
+  arguments.page.array = arrayOf(field, arguments);
+  std::optional<FieldOrBand> other;
+  if (second) other = fieldOrBandOf(*second, grid, arguments);
+  FieldOrBand* beside = other ? &*other : nullptr;
+  arguments.page.other = std::get_if<Field>(beside);
+  arguments.page.otherBand = std::get_if<SparseField>(beside);
   arguments.page.title = displayName(arguments.input.filename());
   arguments.page.otherTitle = displayName(arguments.other.filename());
   testBeforeFirstUse(arguments.machine.device);
   ProgressLine line;
-  const Page page = writePage(arguments.picture, field, arguments.view, arguments.page,
-                              withProgress(arguments.machine, line));
+  const MachineOptions machine = withProgress(arguments.machine, line);
+  const Page page = std::visit(
+      [&](const auto& each) {
+        return writePage(arguments.picture, each, arguments.view, arguments.page, machine);
+      },
+      field);
   line.clear();
   printWritten(arguments.picture);
-  if (page.grid.dims != field.grid.dims)
-    std::printf("it shows %d x %d x %d samples of %d x %d x %d; more with --max-size\n", page.grid.dims.x,
-                page.grid.dims.y, page.grid.dims.z, field.grid.dims.x, field.grid.dims.y, field.grid.dims.z);
-  if (isResampled)
-    std::printf("it shows %s on the grid of %s\n", arguments.page.otherTitle.c_str(),
-                arguments.page.title.c_str());
+  printShown(page, field, beside, arguments.page);
 }
 
 void renderOne(RenderArguments& arguments) {

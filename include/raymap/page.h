@@ -5,6 +5,7 @@
 #include <raymap/machine.h>
 #include <raymap/mesh_view.h>
 #include <raymap/picture.h>
+#include <raymap/sparse_field.h>
 
 #include <filesystem>
 #include <optional>
@@ -18,8 +19,9 @@ struct PageOptions {
   int maxSize = 256;       ///< Most samples along a side. Larger fields are sampled anew, on a coarser grid.
   FieldArray array = FieldArray::Distance;  ///< Array in whose colours it begins; no triangles.
   std::optional<MeshView> mesh = {};        ///< Mesh whose defects it lists.
-  const Field* other = nullptr;  ///< Second field to compare with, sampled on the grid of the first.
-  std::string otherTitle = {};   ///< Name of the second field; empty: "Other field".
+  const Field* other = nullptr;            ///< Second field to compare with, sampled on the grid of the page.
+  const SparseField* otherBand = nullptr;  ///< A narrow band to compare with, in place of `other`.
+  std::string otherTitle = {};             ///< Name of the second field; empty: "Other field".
 };
 
 /// A page, not yet in a file.
@@ -30,6 +32,10 @@ struct Page {
 
 /// Largest number of places that a page lists of each kind of defects.
 inline constexpr size_t kMostDefectPlaces = 100;
+
+/// Returns the grid of a page: the one given, or the finest one over the same box that has at most `maxSize`
+/// samples along a side. Throws `Error(Usage)` if `maxSize` is below 2.
+RAYMAP_API Grid pageGrid(const Grid& grid, int maxSize);
 
 /// Returns a page that shows a field in a browser with WebGL 2: one HTML file, which needs no network. One
 /// can turn the shape, move an iso value, a shell, a cut and a slice, and read off positions and distances.
@@ -43,13 +49,26 @@ inline constexpr size_t kMostDefectPlaces = 100;
 /// The places of a mesh's defects are listed, at most `kMostDefectPlaces` of a kind, the largest first. A
 /// page of two fields shows either, and their difference in colour; it shows distances only. Throws `Error`
 /// as `renderField` does, Usage if `maxSize` is below 2, the field lacks `array` or the view names a second
-/// field, Input for an invalid mesh.
+/// field, Input for an invalid mesh. Of two fields, either may be a narrow band (see below).
 RAYMAP_API Page makePage(const Field& field, const RenderOptions& view = {}, const PageOptions& options = {},
                          const MachineOptions& machine = {});
 
 /// Writes such a page to a file, which appears whole or not at all. Returns it. Throws as `makePage` does,
 /// and File.
 RAYMAP_API Page writePage(const std::filesystem::path& path, const Field& field,
+                          const RenderOptions& view = {}, const PageOptions& options = {},
+                          const MachineOptions& machine = {});
+
+/// Returns a page of a narrow band, without the memory of its dense field: time and memory grow with the
+/// surface. It shows distances only, none of them clamped: at each sample of the page that to the band's
+/// `isosurface`, which `generate` makes there. So the surface across a hole of an open mesh counts, too.
+/// Where the band's box cuts the solid off, the solid is taken to go straight on.
+///
+/// `machine.device` and `memoryLimit` count for that field. Throws as above, and Usage if no sample of the
+/// band is inside, or for an array other than the distance.
+RAYMAP_API Page makePage(const SparseField& band, const RenderOptions& view = {},
+                         const PageOptions& options = {}, const MachineOptions& machine = {});
+RAYMAP_API Page writePage(const std::filesystem::path& path, const SparseField& band,
                           const RenderOptions& view = {}, const PageOptions& options = {},
                           const MachineOptions& machine = {});
 

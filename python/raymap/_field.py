@@ -5,39 +5,21 @@ from __future__ import annotations
 import os
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any, Unpack, overload
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from . import _arrays, _html, _inputs, _raymap
-from ._arguments import FINITE, to_box, to_length, to_number, to_text, to_vector, to_whole
-from ._devices import to_machine
+from . import _arrays, _html, _raymap
+from ._arguments import FINITE, to_box, to_length, to_number, to_text, to_vector
 from ._errors import UsageError
 from ._frames import IDENTITY, Frame, frame_arrays, read_frame, to_frame
 from ._grid_field import GridField
-from ._mesh import core_of
-from ._pictures import ViewOptions, to_view
-from ._progress import Progress, reporting
 from ._records import FieldArray, Stats
 from ._whole_file import save_with_arrays
 
 #: Value of ``Field.triangle`` where the distance is clamped, and where surface that closes a hole is closer.
 NO_TRIANGLE = 0xFFFFFFFF
-
-
-class PageOptions(ViewOptions, total=False):
-    """Keyword arguments of ``Field.to_html`` and ``Field.show``."""
-
-    title: str
-    mesh: Any
-    other: Field
-    other_title: str
-    array: FieldArray
-    max_size: int
-    device: str
-    threads: int | None
-    progress: Progress
 
 
 class Field(GridField):
@@ -189,88 +171,6 @@ class Field(GridField):
         else:
             what = "save a .npz, or field.denormalized()"
             raise UsageError(f"{text}: only a .npz holds the centre and scale of a normalized field; {what}")
-
-    @overload
-    def to_html(self, path: None = None, **options: Unpack[PageOptions]) -> str: ...
-    @overload
-    def to_html(self, path: str | os.PathLike[str], **options: Unpack[PageOptions]) -> None: ...
-    def to_html(self, path: str | os.PathLike[str] | None = None, **options: Unpack[PageOptions]) -> str | None:
-        """Returns a page that shows the field in a browser with WebGL 2, or writes it: one file, without a network.
-
-        One can turn the shape, move closer, cut it open, hollow it out, move an iso value and a slice, and read off
-        positions and values. Slices and cuts show winding numbers and confidences, if the field has them.
-
-        Args:
-            path: File to write, which appears whole or not at all; None = the page is returned.
-            title: Heading; by default the name of the file.
-            mesh: Mesh of the field, as for ``raymap.generate``, or a pair of vertices and faces. The page lists its
-                defects: a click leads there.
-            other: Field to compare with. One switches between both, and sees their difference in colour. It is sampled
-                on the grid of this one.
-            other_title: Name of the other field.
-            array: Array in whose colours the page begins: ``"distance"``, ``"winding"`` or ``"confidence"``.
-            max_size: Most samples along a side, 256 by default. A larger field is shown on a coarser grid.
-            width, height, direction, up, field_of_view, cut, shell: View that it begins with, as for ``render``.
-            device: Device that draws the picture for browsers without WebGL; see ``raymap.devices``.
-            threads: Number of CPU threads; None = ``raymap.get_threads()``.
-            progress: A callable that receives a stage and its share, 0 to 1; True to show it.
-
-        Raises:
-            UsageError: Arguments that make no page, or an array that the field does not have.
-            InputError: A sample is not finite, or the mesh is not valid.
-            FileError: The file cannot be written.
-
-        >>> field = raymap.generate("ball.ply", resolution=16)
-        >>> field.to_html("ball.html", mesh="ball.ply", cut=True)
-        >>> field.to_html()[:15]
-        '<!DOCTYPE html>'
-        """
-        name = "Field" if path is None else os.path.splitext(os.path.basename(os.fspath(path)))[0]
-        page = self._page(name, **options)
-        if path is None:
-            return page
-        _raymap.write_whole(os.fspath(path), page.encode())
-        return None
-
-    def show(self, frame_height: int = 600, **options: Unpack[PageOptions]) -> None:
-        """Shows the page of ``to_html``: in the cell of a notebook, or else in a browser.
-
-        Outside of a notebook, the page is a file in the folder of temporary files, and stays there. If no browser can
-        be opened, a line says where it is.
-
-        Args:
-            frame_height: Height in the notebook, in pixels.
-            **options: Those of ``to_html``.
-        """
-        _html.show(self._page("Field", **options), to_whole("frame_height", frame_height, least=1))
-
-    def _page(
-        self,
-        name: str,
-        *,
-        title: str | None = None,
-        mesh: Any = None,
-        other: Field | None = None,
-        other_title: str = "Other field",
-        array: FieldArray = "distance",
-        max_size: int = 256,
-        device: str = "auto",
-        threads: int | None = None,
-        progress: Progress = None,
-        **view: Unpack[ViewOptions],
-    ) -> str:
-        look = to_view(**view)
-        page = _raymap.PageOptions()
-        page.title, page.other_title = to_text("title", name if title is None else title), to_text("other_title", other_title)
-        page.max_size = to_whole("max_size", max_size)
-        chosen = to_text("array", array)
-        faulty = None
-        if mesh is not None:
-            faulty = core_of(_inputs.to_mesh(*mesh) if isinstance(mesh, tuple) else _inputs.to_mesh(mesh))
-        core = None if other is None else core_of_field(other)
-        with reporting(progress) as report:
-            machine = to_machine(device, threads)
-            return _raymap.make_page(self._core, look, page, chosen, faulty, core, machine, report)
 
     def __array__(self, dtype: npt.DTypeLike | None = None, copy: bool | None = None) -> npt.NDArray[Any]:
         """Returns the distances: ``np.asarray(field)`` is ``field.distance``."""

@@ -2,21 +2,36 @@
 
 from __future__ import annotations
 
+import os
 from typing import Any, Literal, Self, Unpack, overload
 
 import numpy as np
 import numpy.typing as npt
 
-from . import _arrays, _raymap
+from . import _arrays, _html, _inputs, _raymap
 from ._arguments import FINITE, to_box, to_number, to_plane, to_text, to_threads, to_vector, to_whole
 from ._arrays import Points, SampleOptions, Singles
 from ._devices import to_machine
 from ._errors import UsageError
 from ._frames import Frame
-from ._mesh import Mesh, mesh_of_core
-from ._pictures import to_view
+from ._mesh import Mesh, core_of, mesh_of_core
+from ._pictures import ViewOptions, to_view
 from ._progress import Progress, reporting
 from ._records import Comparison, FieldArray
+
+
+class PageOptions(ViewOptions, total=False):
+    """Keyword arguments of ``to_html`` and ``show``."""
+
+    title: str
+    mesh: Any
+    other: GridField
+    other_title: str
+    array: FieldArray
+    max_size: int
+    device: str
+    threads: int | None
+    progress: Progress
 
 
 class GridField:
@@ -306,6 +321,97 @@ class GridField:
         with reporting(progress) as report:
             return _raymap.render_field(self._core, view, to_machine(device, threads), report)
 
+    @overload
+    def to_html(self, path: None = None, **options: Unpack[PageOptions]) -> str: ...
+    @overload
+    def to_html(self, path: str | os.PathLike[str], **options: Unpack[PageOptions]) -> None: ...
+    def to_html(self, path: str | os.PathLike[str] | None = None, **options: Unpack[PageOptions]) -> str | None:
+        """Returns a page that shows the field in a browser with WebGL 2, or writes it: one file, without a network.
+
+        One can turn the shape, move closer, cut it open, hollow it out, move an iso value and a slice, and read off
+        positions and values. Slices and cuts show winding numbers and confidences, if the field has them.
+
+        A narrow band is shown without the memory of its dense field: on the page's grid, the page has the distances to
+        the surface of ``to_mesh``, exact and not clamped, and no other arrays. Where the band's box cuts the solid off,
+        the solid is taken to go straight on.
+
+        Args:
+            path: File to write, which appears whole or not at all; None = the page is returned.
+            title: Heading; by default the name of the file.
+            mesh: Mesh of the field, as for ``raymap.generate``, or a pair of vertices and faces. The page lists its
+                defects: a click leads there.
+            other: Field or narrow band to compare with. One switches between both, and sees their difference in
+                colour. It is sampled on the page's grid.
+            other_title: Name of the other field.
+            array: Array in whose colours the page begins: ``"distance"``, ``"winding"`` or ``"confidence"``. That of a
+                narrow band is ``"distance"``.
+            max_size: Most samples along a side, 256 by default. A larger field is shown on a coarser grid.
+            width, height, direction, up, field_of_view, cut, shell: View that it begins with, as for ``render``.
+            device: Device that draws the picture for browsers without WebGL, and makes the distances to a band's
+                surface; see ``raymap.devices``.
+            threads: Number of CPU threads; None = ``raymap.get_threads()``.
+            progress: A callable that receives a stage and its share, 0 to 1; True to show it.
+
+        Raises:
+            UsageError: Arguments that make no page, an array that the field does not have, or a narrow band without a
+                sample inside.
+            InputError: A sample is not finite, or the mesh is not valid.
+            FileError: The file cannot be written.
+
+        >>> field = raymap.generate("ball.ply", resolution=16)
+        >>> field.to_html("ball.html", mesh="ball.ply", cut=True)
+        >>> field.to_html()[:15]
+        '<!DOCTYPE html>'
+        >>> raymap.generate("ball.ply", resolution=64, sparse=True).to_html("band.html", max_size=32, other=field)
+        """
+        name = "Field" if path is None else os.path.splitext(os.path.basename(os.fspath(path)))[0]
+        page = self._page(name, **options)
+        if path is None:
+            return page
+        _raymap.write_whole(os.fspath(path), page.encode())
+        return None
+
+    def show(self, frame_height: int = 600, **options: Unpack[PageOptions]) -> None:
+        """Shows the page of ``to_html``: in the cell of a notebook, or else in a browser.
+
+        Outside of a notebook, the page is a file in the folder of temporary files, and stays there. If no browser can
+        be opened, a line says where it is.
+
+        Args:
+            frame_height: Height in the notebook, in pixels.
+            **options: Those of ``to_html``.
+        """
+        _html.show(self._page("Field", **options), to_whole("frame_height", frame_height, least=1))
+
+    def _page(
+        self,
+        name: str,
+        *,
+        title: str | None = None,
+        mesh: Any = None,
+        other: GridField | None = None,
+        other_title: str = "Other field",
+        array: FieldArray = "distance",
+        max_size: int = 256,
+        device: str = "auto",
+        threads: int | None = None,
+        progress: Progress = None,
+        **view: Unpack[ViewOptions],
+    ) -> str:
+        look = to_view(**view)
+        page = _raymap.PageOptions()
+        page.title, page.other_title = to_text("title", name if title is None else title), to_text("other_title", other_title)
+        page.max_size = to_whole("max_size", max_size)
+        chosen = to_text("array", array)
+        faulty = None
+        if mesh is not None:
+            faulty = core_of(_inputs.to_mesh(*mesh) if isinstance(mesh, tuple) else _inputs.to_mesh(mesh))
+        if other is not None:
+            page.compare(_core_of(other))
+        with reporting(progress) as report:
+            machine = to_machine(device, threads)
+            return _raymap.make_page(self._core, look, page, chosen, faulty, machine, report)
+
     def __repr__(self) -> str:
         return self._text()
 
@@ -377,3 +483,9 @@ class GridField:
         if not isinstance(other, GridField) or type(other._core) is not type(self._core):
             raise UsageError(f"other is a {type(other).__name__}; compare two fields, or two narrow bands (see to_dense)")
         return self._core, other._core
+
+
+def _core_of(other: GridField) -> _raymap.Field | _raymap.SparseField:
+    if not isinstance(other, GridField):
+        raise UsageError(f"other must be a field or a narrow band, not a {type(other).__name__}")
+    return other._core

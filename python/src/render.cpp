@@ -68,13 +68,12 @@ Pixels drawField(const Handle& field, const RenderOptions& options, const Machin
   return toPixels(std::move(picture));
 }
 
-nb::str makeHtml(const FieldHandle& field, const RenderOptions& view, PageOptions page,
-                 std::string_view array, const MeshHandle* mesh, const FieldHandle* other,
-                 const MachineOptions& machine, nb::object progress) {
+template <class Handle>
+nb::str makeHtml(const Handle& field, const RenderOptions& view, PageOptions page, std::string_view array,
+                 const MeshHandle* mesh, const MachineOptions& machine, nb::object progress) {
   Call call(std::move(progress));
   page.array = fromName<FieldArray>(array);
   if (mesh) page.mesh = mesh->view;
-  if (other) page.other = &other->field;
   std::string html;
   call.run([&] { html = makePage(field.field, view, page, call.on(machine)).html; });
   return toText(html);
@@ -123,9 +122,17 @@ void bindRender(nb::module_& module) {
       .def(nb::init<>())
       .def_rw("title", &PageOptions::title)
       .def_rw("max_size", &PageOptions::maxSize)
-      .def_rw("other_title", &PageOptions::otherTitle);
-  module.def("make_page", &makeHtml, "field"_a, "view"_a, "page"_a, "array"_a, "mesh"_a.none(),
-             "other"_a.none(), "machine"_a, "progress"_a.none());
+      .def_rw("other_title", &PageOptions::otherTitle)
+      .def(
+          "compare", [](PageOptions& self, const FieldHandle& other) { self.other = &other.field; },
+          "other"_a, nb::keep_alive<1, 2>())
+      .def(
+          "compare", [](PageOptions& self, const SparseHandle& other) { self.otherBand = &other.field; },
+          "other"_a, nb::keep_alive<1, 2>());
+  module.def("make_page", &makeHtml<FieldHandle>, "field"_a, "view"_a, "page"_a, "array"_a, "mesh"_a.none(),
+             "machine"_a, "progress"_a.none());
+  module.def("make_page", &makeHtml<SparseHandle>, "field"_a, "view"_a, "page"_a, "array"_a, "mesh"_a.none(),
+             "machine"_a, "progress"_a.none());
   module.def("render_field", &drawField<FieldHandle>, "field"_a, "options"_a, "machine"_a,
              "progress"_a.none());
   module.def("render_field", &drawField<SparseHandle>, "field"_a, "options"_a, "machine"_a,

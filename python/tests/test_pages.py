@@ -56,6 +56,28 @@ def test_a_page_has_what_was_asked_for(field: raymap.Field) -> None:
     assert [each["name"] for each in data["fields"]] == ["Field", "rough"]
 
 
+def test_a_narrow_band_is_shown_by_its_surface() -> None:
+    ball = make_ball(2)
+    band = raymap.generate(*ball, resolution=60, band=2, sparse=True, arrays=("distance", "winding"))
+    other = raymap.generate(*ball, resolution=12, device="cpu")
+    page = band.to_html(other=other, max_size=20, **SMALL)
+    data, turned = data_of(page), data_of(other.to_html(other=band, other_title="band", **SMALL))
+    assert data["dims"] == [20, 20, 20] and turned["dims"] == [12, 12, 12]
+    assert [each["name"] for each in turned["fields"]] == ["Field", "band"]
+    assert "<td>60 × 60 × 60</td>" in page and "distances to its surface" in page
+    alone = data_of(band.to_html(**SMALL))
+    assert alone["dims"] == [60, 60, 60] and [array["name"] for array in alone["arrays"]] == ["distance"]
+    whole, shown = raymap.generate(*ball, resolution=60, device="cpu"), alone["arrays"][0]
+    for found, expected in (("least", whole.distance.min()), ("most", whole.distance.max())):
+        assert shown[found] * alone["spacing"] == pytest.approx(expected, abs=3e-3) and abs(expected) > 5 * band.inside
+    with pytest.raises(raymap.UsageError, match="draw it as a picture"):
+        band.to_html(array="winding", **SMALL)
+    with pytest.raises(raymap.UsageError, match="no sample of the narrow band is inside"):
+        raymap.generate(*ball, resolution=30, sign="none", sparse=True).to_html(**SMALL)
+    with pytest.raises(raymap.UsageError, match="a narrow band, not a tuple"):
+        band.to_html(other=ball, **SMALL)  # type: ignore[arg-type]
+
+
 def test_a_page_is_written_whole(field: raymap.Field, tmp_path: Path) -> None:
     field.to_html(tmp_path / "my ball.html", **SMALL)
     written = (tmp_path / "my ball.html").read_text(encoding="utf-8")

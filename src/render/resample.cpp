@@ -2,6 +2,9 @@
 
 #include "render/resample.h"
 
+#include <raymap/generate.h>
+#include <raymap/isosurface.h>
+
 #include <algorithm>
 #include <span>
 #include <vector>
@@ -34,15 +37,21 @@ Buffer<float> interpolated(const Buffer<float>& numbers, const Grid& from, const
   return result;
 }
 
-}  // namespace
-
-Grid coarserGrid(const Grid& grid, int most) {
-  const glm::ivec3 last = grid.dims - 1;
-  const int longest = std::max({last.x, last.y, last.z});
-  const glm::dvec3 sides = glm::ceil(glm::dvec3(last) * double(most - 1) / double(longest));
-  return {
-      .dims = glm::ivec3(sides) + 1, .origin = grid.origin, .spacing = grid.spacing * longest / (most - 1)};
+/// Moves the faces that close a solid half a sample beyond the box of a grid far away: no point of the box is
+/// closer to them than to the solid's surface.
+void moveLidsAway(const Grid& grid, Mesh& surface) {
+  constexpr double kBeyond = 0.1;  // Samples; rounding moves no vertex within the box so far.
+  const glm::dvec3 last(grid.dims - 1), origin = surface.origin - grid.origin;
+  const double away = 1.0 + glm::length(last);
+  for (glm::vec3& vertex : surface.vertices)
+    for (int a = 0; a < 3; ++a) {
+      const double place = (origin[a] + double(vertex[a])) / grid.spacing;
+      if (place < -kBeyond) vertex[a] = float(-away * grid.spacing - origin[a]);
+      if (place > last[a] + kBeyond) vertex[a] = float((last[a] + away) * grid.spacing - origin[a]);
+    }
 }
+
+}  // namespace
 
 Field resampled(const Field& field, const Grid& grid) {
   Field result{.grid = grid, .clampDistance = field.clampDistance, .surfaceBounds = field.surfaceBounds};
@@ -53,6 +62,14 @@ Field resampled(const Field& field, const Grid& grid) {
   result.winding = interpolated(field.winding, field.grid, grid);
   result.confidence = interpolated(field.confidence, field.grid, grid);
   return result;
+}
+
+Field resampled(const SparseField& band, const Grid& grid, const MachineOptions& machine) {
+  MachineOptions quiet = machine;
+  quiet.warn = nullptr;  // The surface is not closed at the grid's box after all.
+  Mesh surface = isosurface(band, {}, quiet);
+  moveLidsAway(band.grid, surface);
+  return generate(surface, grid, {.orientation = Orientation::Keep}, machine).field;
 }
 
 }  // namespace raymap

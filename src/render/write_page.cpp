@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <ostream>
 #include <span>
 #include <string_view>
@@ -190,8 +191,29 @@ std::string dimsText(const Grid& grid) {
          std::to_string(grid.dims.z);
 }
 
+/// What a page shows of a field or a narrow band.
+struct ShownField {
+  const Field& shown;                 ///< Its samples on the grid of the page.
+  const Field& measured;              ///< The field as given; of a band, those samples.
+  const Grid& grid;                   ///< Grid of all its samples.
+  const SparseField* band = nullptr;  ///< The band; null for a field.
+};
+
+/// Returns a field as it is, or makes `made` of it, which the result keeps a reference to.
+ShownField shownOn(const Grid& grid, const Field& field, const MachineOptions&, Field& made) {
+  if (field.grid == grid) return {field, field, field.grid};
+  made = resampled(field, grid);
+  return {made, field, field.grid};
+}
+
+ShownField shownOn(const Grid& grid, const SparseField& band, const MachineOptions& machine, Field& made) {
+  made = resampled(band, grid, machine);
+  return {made, made, band.grid, &band};
+}
+
 /// Returns a table about a field. `shown` says what the page has of it, if that is not all.
-std::string figures(const std::string& title, const Field& field, const std::string& shown) {
+std::string figures(const std::string& title, const ShownField& of, const std::string& shown) {
+  const Field& field = of.measured;
   const auto vector = [](const glm::dvec3& v) {
     return numberText(v.x) + ", " + numberText(v.y) + ", " + numberText(v.z);
   };
@@ -205,10 +227,13 @@ std::string figures(const std::string& title, const Field& field, const std::str
     add(name, numberText(least) + " to " + numberText(most));
   };
   const auto inside = std::ranges::count_if(field.distance, [](float d) { return d < 0.0f; });
-  add("Samples", dimsText(field.grid));
+  add("Samples", dimsText(of.grid));
   if (!shown.empty()) add("In this page", shown);
-  add("Spacing", numberText(field.grid.spacing));
-  add("Origin", vector(field.grid.origin));
+  add("Spacing", numberText(of.grid.spacing));
+  add("Origin", vector(of.grid.origin));
+  if (of.band)
+    add("Narrow band",
+        numberText(-of.band->inside) + " to " + numberText(of.band->outside) + "; distances to its surface");
   addRange("Distances", field.distance);
   add("Inside", numberText(std::round(1e4 * double(inside) / double(field.distance.size())) / 100.0) + " %");
   if (field.clampDistance > 0.0) add("Clamped to", "± " + numberText(field.clampDistance));
@@ -245,19 +270,37 @@ std::string filled(std::string_view text,
   return page;
 }
 
-void checkPage(const Field& field, const PageOptions& options) {
+void checkField(const Field& field, FieldArray first) {
   validateField(field);
-  if (options.other) validateField(*options.other);
   for (const FieldArray array :
        {FieldArray::Winding, FieldArray::Confidence})  // Distances are checked when drawn.
     if (!numbersOf(field, array).empty()) checkNumbers(field, array);
-  if (options.array == FieldArray::Triangle || (options.other && options.array != FieldArray::Distance))
+  validateArray(field, first);
+}
+
+/// Throws `Error(Usage)` unless a narrow band has a surface, and its distances are to be shown.
+void checkField(const SparseField& band, FieldArray first = FieldArray::Distance) {
+  validate(band);
+  if (first != FieldArray::Distance)
+    throw Error(ErrorCode::Usage, "a page of a narrow band shows distances only, not the array '" +
+                                      std::string(name(first)) + "'; draw it as a picture");
+  const auto isInside = [](float distance) { return distance < 0.0f; };
+  require(!band.tiles.empty() || std::ranges::any_of(band.distance, isInside),
+          "no sample of the narrow band is inside, so a page has no surface to show; draw it as a picture");
+}
+
+void checkOptions(const RenderOptions& view, const PageOptions& options) {
+  require(!view.other && !view.otherBand,
+          "a page takes its second field from the options of the page; leave it out of those of the view");
+  checkPictureSize(view.width, view.height);
+  require(!options.other || !options.otherBand,
+          "a page compares two fields; leave out the dense one or the narrow band");
+  if (options.other) validateField(*options.other);
+  if (options.otherBand) checkField(*options.otherBand);
+  const bool isTwo = options.other || options.otherBand;
+  if (options.array == FieldArray::Triangle || (isTwo && options.array != FieldArray::Distance))
     throw Error(ErrorCode::Usage, "a page has no colours of the array '" + std::string(name(options.array)) +
-                                      (options.other ? "' of two fields" : "'"));
-  validateArray(field, options.array);
-  if (options.maxSize < 2)
-    throw Error(ErrorCode::Usage,
-                "a page needs at least 2 samples along a side, not " + std::to_string(options.maxSize));
+                                      (isTwo ? "' of two fields" : "'"));
 }
 
 /// Returns the name in the colours' list that the page begins with.
@@ -267,18 +310,20 @@ const char* firstColours(FieldArray array) {
                                            : "distance";
 }
 
-std::string figuresOfAll(const Field& field, const Grid& grid, const PageOptions& options) {
+std::string figuresOfAll(const ShownField& first, const ShownField* second, const PageOptions& options) {
+  const Grid& grid = first.shown.grid;
   const std::string coarser =
-      field.grid == grid ? "" : dimsText(grid) + ", spacing " + numberText(grid.spacing);
-  if (!options.other) return figures("", field, coarser);
-  return figures("A: " + options.title, field, coarser) +
-         figures("B: " + options.otherTitle, *options.other,
-                 options.other->grid == grid ? "" : "sampled on the grid of A");
+      first.grid == grid ? "" : dimsText(grid) + ", spacing " + numberText(grid.spacing);
+  if (!second) return figures("", first, coarser);
+  return figures("A: " + options.title, first, coarser) +
+         figures("B: " + options.otherTitle, *second, second->grid == grid ? "" : "sampled on the grid of A");
 }
 
-/// Puts a page together of fields on its grid. `other` is null if there is none.
-Page assemble(const Field& field, const Field& shown, const Field* other, const RenderOptions& view,
+/// Puts a page together of fields on its grid. `second` is null if there is none.
+Page assemble(const ShownField& first, const ShownField* second, const RenderOptions& view,
               const PageOptions& options, const MachineOptions& machine) {
+  const Field& shown = first.shown;
+  const Field* other = second ? &second->shown : nullptr;
   const Grid& grid = shown.grid;
   const DrawnScene scene(shown, view);
   double largest = largestOf(shown.distance, grid.spacing);
@@ -312,45 +357,76 @@ Page assemble(const Field& field, const Field& shown, const Field* other, const 
   return {filled(kPageText,
                  {{"title", escaped(options.title) + (other ? " and " + escaped(options.otherTitle) : "")},
                   {"picture", picture},
-                  {"figures", figuresOfAll(field, grid, options)},
+                  {"figures", figuresOfAll(first, second, options)},
                   {"data", inScript(data)},
                   {"samples", arrays.scripts()}}),
           grid};
 }
 
-}  // namespace
-
-Page makePage(const Field& field, const RenderOptions& view, const PageOptions& options,
-              const MachineOptions& machine) {
-  checkPage(field, options);
-  require(!view.other && !view.otherBand,
-          "a page takes its second field from the options of the page; leave it out of those of the view");
-  checkPictureSize(view.width, view.height);
+template <class AnyField>
+Page makeAny(const AnyField& field, const RenderOptions& view, const PageOptions& options,
+             const MachineOptions& machine) {
+  checkOptions(view, options);
+  checkField(field, options.array);
+  const Grid grid = pageGrid(field.grid, options.maxSize);
   PageOptions titled = options;
   if (titled.title.empty()) titled.title = "Field";
   if (titled.otherTitle.empty()) titled.otherTitle = "Other field";
   Page page;
   withThreads(machine.threads, [&] {
-    const glm::ivec3 dims = field.grid.dims;
-    const bool isLarge = std::max({dims.x, dims.y, dims.z}) > options.maxSize;
-    Field coarse, other;
-    if (isLarge) coarse = resampled(field, coarserGrid(field.grid, options.maxSize));
-    const Field& shown = isLarge ? coarse : field;
-    const bool isAlike = options.other && options.other->grid == shown.grid;
-    if (options.other && !isAlike) other = resampled(*options.other, shown.grid);
-    page = assemble(field, shown, isAlike || !options.other ? options.other : &other, view, titled, machine);
+    Field made, other;
+    const ShownField first = shownOn(grid, field, machine, made);
+    std::optional<ShownField> second;
+    if (options.other) second.emplace(shownOn(grid, *options.other, machine, other));
+    if (options.otherBand) second.emplace(shownOn(grid, *options.otherBand, machine, other));
+    page = assemble(first, second ? &*second : nullptr, view, titled, machine);
   });
   return page;
 }
 
-Page writePage(const std::filesystem::path& path, const Field& field, const RenderOptions& view,
-               const PageOptions& options, const MachineOptions& machine) {
+template <class AnyField>
+Page writeAny(const std::filesystem::path& path, const AnyField& field, const RenderOptions& view,
+              const PageOptions& options, const MachineOptions& machine) {
   PageOptions titled = options;
   if (titled.title.empty()) titled.title = path.stem().string();
-  Page page = makePage(field, view, titled, machine);
+  Page page = makeAny(field, view, titled, machine);
   writeAtomically(path,
                   [&](std::ostream& out) { out.write(page.html.data(), std::streamsize(page.html.size())); });
   return page;
+}
+
+}  // namespace
+
+Grid pageGrid(const Grid& grid, int maxSize) {
+  validateGrid(grid);
+  if (maxSize < 2)
+    throw Error(ErrorCode::Usage,
+                "a page needs at least 2 samples along a side, not " + std::to_string(maxSize));
+  const glm::ivec3 last = grid.dims - 1;
+  const int longest = std::max({last.x, last.y, last.z}), most = maxSize - 1;
+  if (longest <= most) return grid;
+  const glm::dvec3 sides = glm::ceil(glm::dvec3(last) * double(most) / double(longest));
+  return {.dims = glm::ivec3(sides) + 1, .origin = grid.origin, .spacing = grid.spacing * longest / most};
+}
+
+Page makePage(const Field& field, const RenderOptions& view, const PageOptions& options,
+              const MachineOptions& machine) {
+  return makeAny(field, view, options, machine);
+}
+
+Page makePage(const SparseField& band, const RenderOptions& view, const PageOptions& options,
+              const MachineOptions& machine) {
+  return makeAny(band, view, options, machine);
+}
+
+Page writePage(const std::filesystem::path& path, const Field& field, const RenderOptions& view,
+               const PageOptions& options, const MachineOptions& machine) {
+  return writeAny(path, field, view, options, machine);
+}
+
+Page writePage(const std::filesystem::path& path, const SparseField& band, const RenderOptions& view,
+               const PageOptions& options, const MachineOptions& machine) {
+  return writeAny(path, band, view, options, machine);
 }
 
 }  // namespace raymap

@@ -138,6 +138,56 @@ TEST_F(CliRender, WritesPages) {
   expectFailure("render w.nrrd -o page.html", ErrorCode::Usage, "it has no distances");
 }
 
+// Level sets of more than 2^24 samples are shown by their surfaces, beside anything.
+TEST_F(CliRender, WritesPagesOfNarrowBands) {
+  const std::vector<std::string> extensions = fieldExtensions();
+  if (std::ranges::find(extensions, ".vdb") == extensions.end()) GTEST_SKIP();
+  const auto write = [&](const std::string& file, const Mesh& mesh, int resolution) {
+    SparseField band = Surface(mesh).generateBand(fitGrid(mesh, {.resolution = resolution, .padding = 1.5}),
+                                                  {.confidence = true});
+    writeBand(path(file), band);
+    return band;
+  };
+  const Mesh ball = shapes::sphere(1.0, 2), small = shapes::sphere(0.9, 2);
+  const SparseField band = write("band.vdb", ball, 260), other = write("other.vdb", small, 258);
+  writeMesh(path("small.ply"), small);
+  const MachineOptions onCpu{.device = "cpu"};
+  const Field dense = generate(small, fitGrid(small, {.resolution = 20}), {}, onCpu).field;
+  writeField(path("dense.npz"), dense);
+  const Grid grid = pageGrid(band.grid, 24);
+  const Field onPage = generate(small, grid, {}, onCpu).field;
+  const RenderOptions view{.width = 64, .height = 48};
+  const std::string options = " -o page.html --size 64 48 --max-size 24 --device cpu";
+  const auto expectPage = [&](const std::string& shapes, const Page& expected) {
+    const std::string out = succeed("render " + shapes + options).out;
+    EXPECT_EQ(readBytes(path("page.html")), expected.html) << shapes;
+    return out;
+  };
+  const auto pageOf = [&](const auto& first, PageOptions page) {
+    page.maxSize = 24;
+    return makePage(first, view, page, onCpu);
+  };
+  std::string out = expectPage("band.vdb", pageOf(band, {.title = "band.vdb"}));
+  EXPECT_NE(out.find("it shows 24 x 24 x 24 samples of 260 x 260 x 260"), std::string::npos) << out;
+  EXPECT_NE(out.find("it shows the distances of the narrow band"), std::string::npos) << out;
+  const PageOptions beside{.title = "band.vdb", .otherTitle = "small.ply"};
+  PageOptions both = beside;
+  both.other = &onPage;
+  out = expectPage("band.vdb small.ply", pageOf(band, both));
+  EXPECT_EQ(out.find("on the grid of"), std::string::npos) << out;
+  both = {.title = "band.vdb", .other = &dense, .otherTitle = "dense.npz"};
+  out = expectPage("band.vdb dense.npz", pageOf(band, both));
+  EXPECT_NE(out.find("it shows dense.npz on the grid of band.vdb"), std::string::npos) << out;
+  both = {.title = "band.vdb", .otherBand = &other, .otherTitle = "other.vdb"};
+  expectPage("band.vdb other.vdb", pageOf(band, both));
+  both = {.title = "dense.npz", .otherBand = &band, .otherTitle = "band.vdb"};
+  expectPage("dense.npz band.vdb", pageOf(dense, both));
+  both = {.title = "small.ply", .mesh = small, .otherBand = &band, .otherTitle = "band.vdb"};
+  expectPage("small.ply band.vdb", pageOf(onPage, both));
+  expectFailure("render band.vdb --as confidence" + options, ErrorCode::Usage, "draw it as a picture");
+  expectFailure("render band.vdb --max-size 1 -o page.html", ErrorCode::Usage, "at least 2 samples");
+}
+
 TEST_F(CliRender, DrawsFilesOfPrintersAndCadWithZUp) {
   writeTorus();
   succeed("convert torus.ply torus.stl");

@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 #include <raymap/page.h>
+#include <raymap/surface.h>
 #include <zlib.h>
 
 #include <cmath>
@@ -10,6 +11,7 @@
 #include "analytic_fields.h"
 #include "error_code.h"
 #include "files.h"
+#include "shapes.h"
 
 namespace raymap {
 namespace {
@@ -249,6 +251,148 @@ TEST(Page, RefusesWhatItCannotShow) {
   odd.confidence = Buffer<float>(5);
   EXPECT_EQ(codeOf([&] { makePage(odd); }), ErrorCode::Usage);
   EXPECT_FALSE(std::filesystem::exists(folder.path() / "p.html"));
+}
+
+/// Expects an array of a page to hold these distances at its samples, but for `tolerance` and rounding.
+template <class Distance>
+void expectDistances(const Page& page, size_t array, double tolerance, Distance&& expected) {
+  const std::vector<double> distances = numbersOf(page.html, array);
+  const double rounding = 0.501 * double(dataOf(page.html)["arrays"][array]["step"]);
+  const glm::ivec3 dims = page.grid.dims;
+  ASSERT_EQ(distances.size(), page.grid.sampleCount());
+  for (int k = 0; k < dims.z; ++k)
+    for (int j = 0; j < dims.y; ++j)
+      for (int i = 0; i < dims.x; ++i) {
+        const double found = distances[page.grid.index({i, j, k})] * page.grid.spacing;
+        ASSERT_NEAR(found, expected(page.grid.position({i, j, k})), tolerance + rounding * page.grid.spacing)
+            << i << ", " << j << ", " << k;
+      }
+}
+
+/// A band of a ball about a centre, on a lattice around it.
+SparseField ballBand(const glm::dvec3& centre, double radius, const Grid& grid, BandOptions options = {}) {
+  return Surface(shapes::sphere(radius, 5, centre)).generateBand(grid, options);
+}
+
+TEST(PageOfBand, NeedsNoMemoryOfTheDenseField) {
+  const Grid grid{.dims = {4096, 3000, 2500}, .origin = {-500.0, -400.0, -300.0}, .spacing = 0.5};
+  const glm::dvec3 centre(120.0, 310.0, -40.0);
+  const double radius = 50.0;
+  const SparseField band = ballBand(centre, radius, grid, {.winding = true});
+  const MachineOptions small{.device = "cpu", .memoryLimit = size_t(1) << 28};
+  EXPECT_EQ(codeOf([&] { toDense(band, small); }), ErrorCode::Memory);
+  const Page page = makePage(band, kSmall, {.maxSize = 65}, small);
+  EXPECT_EQ(page.grid, pageGrid(grid, 65));
+  EXPECT_EQ(page.grid.dims, glm::ivec3(65, 48, 41));
+  expectDistances(page, 0, 0.05, [&](const glm::dvec3& p) { return analytic::sphere(p - centre, radius); });
+  const auto data = dataOf(page.html);
+  EXPECT_EQ(data["arrays"].size(), 1u);
+  EXPECT_EQ(data["fields"][0]["shape"]["band"], 0.0);
+  EXPECT_NE(page.html.find("<th>Samples</th><td>4096 × 3000 × 2500</td>"), std::string::npos);
+  EXPECT_NE(page.html.find("<th>Narrow band</th><td>-1.5 to 1.5; distances"), std::string::npos);
+}
+
+TEST(PageOfBand, HasTheDistancesBeyondTheBand) {
+  const TemporaryFolder folder;
+  const glm::dvec3 centre(0.1, 0.0, -0.05);
+  for (const BandOptions& options :
+       {BandOptions{}, BandOptions{.outside = 1.5, .inside = INFINITY}, BandOptions{.outside = 4.0}})
+    for (const int maxSize : {256, 17}) {
+      const SparseField band = ballBand(centre, 0.7, analytic::cube(60, 2.0), options);
+      const Page page = writePage(folder.path() / "ball.html", band, kSmall, {.maxSize = maxSize});
+      EXPECT_EQ(page.grid, pageGrid(band.grid, maxSize));
+      EXPECT_EQ(page.grid == band.grid, maxSize == 256);
+      expectDistances(page, 0, 1e-3, [&](const glm::dvec3& p) { return analytic::sphere(p - centre, 0.7); });
+      EXPECT_EQ(readBytes(folder.path() / "ball.html"), page.html);
+      EXPECT_NE(page.html.find("<title>ball</title>"), std::string::npos);
+    }
+}
+
+// Nothing closes a bar at the box that cuts it off, whatever the page's grid has beyond that box.
+TEST(PageOfBand, GoesOnWhereTheBoxCutsTheSolid) {
+  const Grid grid{.dims = {90, 71, 80}, .origin = {-1.0, -0.8, -0.9}, .spacing = 0.02};
+  const Mesh bar = shapes::box({-9.0, -0.3, -0.4}, {9.0, 0.35, 0.37});
+  const SparseField band = Surface(bar).generateBand(grid);
+  const auto expected = [](const glm::dvec3& p) {
+    const glm::dvec3 half(1e9, 0.325, 0.385);
+    return analytic::box(p - glm::dvec3(0.0, 0.025, -0.015), half);
+  };
+  for (const int maxSize : {256, 24})
+    expectDistances(makePage(band, kSmall, {.maxSize = maxSize}), 0, 1e-3, expected);
+  // A lattice inside the bar has no surface, but is inside.
+  const Grid within{.dims = glm::ivec3(16), .origin = glm::dvec3(-0.15), .spacing = 0.02};
+  const std::vector<double> deep = numbersOf(makePage(Surface(bar).generateBand(within), kSmall).html, 0);
+  EXPECT_TRUE(std::ranges::all_of(deep, [](double d) { return d < -15.0; }));
+}
+
+TEST(PageOfBand, HasTheSignsOfTheDenseFieldInACutBox) {
+  const Mesh torus = shapes::torus(1.0, 0.35, 40, 20);
+  const Box part{{-0.5, -0.2, -0.2}, {1.2, 1.1, 0.3}};
+  const SparseField band = Surface(torus).generateBand(fitGrid(torus, {.voxelSize = 0.04, .box = part}));
+  const Field dense = toDense(band);
+  const std::vector<double> distances = numbersOf(makePage(band, kSmall).html, 0);
+  ASSERT_EQ(distances.size(), dense.distance.size());
+  size_t inside = 0, near = 0;
+  for (size_t s = 0; s < distances.size(); ++s) {
+    const double expected = dense.distance[s] / dense.grid.spacing;
+    inside += expected < 0.0 ? 1 : 0;
+    near += std::abs(expected) < 0.05 ? 1 : 0;
+    if (std::abs(expected) >= 0.05) {
+      ASSERT_EQ(distances[s] < 0.0, expected < 0.0) << s;
+    }
+  }
+  EXPECT_GT(inside, distances.size() / 20);
+  EXPECT_LT(near, distances.size() / 50);
+}
+
+TEST(PageOfBand, ComparesBandsAndFields) {
+  const glm::dvec3 centre(0.0), shift(0.04, 0.0, 0.0);
+  const auto first = [&](const glm::dvec3& p) { return analytic::sphere(p, 0.6); };
+  const auto second = [&](const glm::dvec3& p) { return analytic::sphere(p - shift, 0.63); };
+  const Field dense = analytic::sampled(analytic::cube(40, 2.0), first),
+              otherDense = analytic::sampled(analytic::cube(48, 2.1), second);
+  const SparseField band = ballBand(centre, 0.6, dense.grid),
+                    other = ballBand(shift, 0.63, otherDense.grid, {.outside = 2.0});
+  const auto expectBoth = [&](const Page& page) {
+    const auto data = dataOf(page.html);
+    ASSERT_EQ(data["fields"].size(), 2u);
+    EXPECT_EQ(data["arrays"].size(), 2u);
+    EXPECT_EQ(page.grid, pageGrid(dense.grid, 20));
+    EXPECT_NE(page.html.find("<td>48 × 48 × 48</td>"), std::string::npos);
+    EXPECT_NE(page.html.find("sampled on the grid of A"), std::string::npos);
+    expectDistances(page, 0, 0.02, first);
+    expectDistances(page, 1, 0.02, second);
+  };
+  expectBoth(makePage(band, kSmall, {.maxSize = 20, .otherBand = &other}));
+  expectBoth(makePage(band, kSmall, {.maxSize = 20, .other = &otherDense}));
+  expectBoth(makePage(dense, kSmall, {.maxSize = 20, .otherBand = &other}));
+}
+
+TEST(PageOfBand, RefusesWhatItCannotShow) {
+  const SparseField band = ballBand(glm::dvec3(0.0), 0.6, analytic::cube(40, 2.0), {.confidence = true});
+  const auto codeOfPage = [](const SparseField& shown, const PageOptions& options = {},
+                             const MachineOptions& machine = {}, const RenderOptions& view = kSmall) {
+    return codeOf([&] { makePage(shown, view, options, machine); });
+  };
+  const Field field = toDense(band);
+  EXPECT_EQ(codeOfPage(band, {.array = FieldArray::Confidence}), ErrorCode::Usage);
+  EXPECT_EQ(codeOfPage(band, {.maxSize = 1}), ErrorCode::Usage);
+  EXPECT_EQ(codeOfPage(band, {.other = &field, .otherBand = &band}), ErrorCode::Usage);
+  EXPECT_EQ(codeOfPage(band, {}, {}, {.otherBand = &band}), ErrorCode::Usage);
+  EXPECT_EQ(codeOfPage(band, {}, {.device = "cpu", .memoryLimit = 1000}), ErrorCode::Memory);
+  EXPECT_EQ(codeOfPage(band, {}, {.progress = [](std::string_view, double) { return false; }}),
+            ErrorCode::Cancelled);
+  const Grid away{.dims = glm::ivec3(16), .origin = glm::dvec3(5.0), .spacing = 0.1};
+  const SparseField empty = ballBand(glm::dvec3(0.0), 0.6, away);
+  EXPECT_EQ(codeOfPage(empty), ErrorCode::Usage);
+  EXPECT_EQ(codeOf([&] { makePage(field, kSmall, {.otherBand = &empty}); }), ErrorCode::Usage);
+  EXPECT_EQ(codeOf([&] { makePage(field, kSmall, {.array = FieldArray::Confidence, .otherBand = &band}); }),
+            ErrorCode::Usage);
+  SparseField odd = toSparse(field);
+  odd.distance[100] = NAN;
+  EXPECT_EQ(codeOfPage(odd), ErrorCode::Input);
+  odd.distance = Buffer<float>(5);
+  EXPECT_EQ(codeOfPage(odd), ErrorCode::Usage);
 }
 
 }  // namespace

@@ -20,7 +20,8 @@ inline std::vector<SparseField> someBands() {
        {fitGrid(mesh, {.resolution = 60}), fitGrid(mesh, {.voxelSize = 0.04, .box = part})})
     for (const BandOptions& options :
          {BandOptions{.triangle = true, .winding = true, .confidence = true},
-          BandOptions{.outside = 1.5, .inside = 4.25}, BandOptions{.outside = 4.0, .inside = std::numeric_limits<double>::infinity()}})
+          BandOptions{.outside = 1.5, .inside = 4.25},
+          BandOptions{.outside = 4.0, .inside = std::numeric_limits<double>::infinity()}})
       bands.push_back(surface.generateBand(grid, options));
   const Mesh ball = shapes::sphere(1.0, 3);
   bands.push_back(Surface(ball).generateBand(fitGrid(ball, {.resolution = 120})));
