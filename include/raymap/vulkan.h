@@ -12,7 +12,6 @@
 #include <raymap/error.h>
 #include <raymap/options.h>
 #include <raymap/picture.h>
-#include <raymap/sparse_field.h>
 #include <raymap/vulkan_device.h>
 #include <vulkan/vulkan_core.h>
 
@@ -21,6 +20,10 @@
 #include <span>
 #include <string_view>
 #include <vector>
+
+namespace raymap {
+struct SparseField;
+}
 
 namespace raymap::vulkan {
 
