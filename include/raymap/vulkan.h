@@ -12,6 +12,7 @@
 #include <raymap/error.h>
 #include <raymap/options.h>
 #include <raymap/picture.h>
+#include <raymap/sparse_field.h>
 #include <raymap/vulkan_device.h>
 #include <vulkan/vulkan_core.h>
 
@@ -20,10 +21,6 @@
 #include <span>
 #include <string_view>
 #include <vector>
-
-namespace raymap {
-struct SparseField;
-}
 
 namespace raymap::vulkan {
 
