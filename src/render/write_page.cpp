@@ -86,6 +86,7 @@ Json describeShape(const RenderShape& shape) {
           {"level", shape.level},
           {"wall", shape.wall},
           {"band", shape.band},
+          {"innerBand", shape.innerBand},
           {"nx", shape.nx},
           {"ny", shape.ny},
           {"nz", shape.nz}};

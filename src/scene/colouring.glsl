@@ -23,5 +23,6 @@ vec3 valueColour(RenderSceneData scene, vec3 p, float pixel, uint stopCount, flo
   const float slope = pixel * length(gradient);
   vec3 ground = colourOf(value, stopCount);
   if (slope > kPlainValues * pixel * lineStep) ground = drawIsoLines(ground, value - 0.5 * lineStep, slope, lineStep);
-  return drawContour(scene, ground, fieldDistance(p), pixel);
+  const float d = fieldDistance(p);
+  return isClamped(d) ? ground : drawContour(scene, ground, d, pixel);
 }

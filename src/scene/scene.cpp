@@ -15,6 +15,7 @@ RenderShape describe(const Shape& shape) {
       .level = static_cast<float>(shape.level()),
       .wall = static_cast<float>(std::min(shape.wall(), kFarthestRay)),
       .band = static_cast<float>(std::min(shape.band(), kFarthestRay)),
+      .innerBand = static_cast<float>(std::min(shape.innerBand(), kFarthestRay)),
       .nx = dims.x,
       .ny = dims.y,
       .nz = dims.z};

@@ -21,10 +21,10 @@ struct RenderShape {
   float radius;
   vec3 cutNormal;   // 0 for an uncut shape.
   float cutOffset;  // Largest float for an uncut shape.
-  float level, wall, band;
+  float level, wall, band, innerBand;
   uint nx, ny, nz;
 };
-RAYMAP_CHECK_SIZE(RenderShape, 56);
+RAYMAP_CHECK_SIZE(RenderShape, 60);
 
 RAYMAP_CONSTANT uint kMostStops = 11;  // Of a colouring.
 

@@ -40,10 +40,15 @@ vec3 drawContour(RenderSceneData scene, vec3 ground, float d, float slope) {
   return mix(ground, scene.contour, lineCoverage(abs(d) / slope, kContourWidth));
 }
 
+// Draws lines over `ground` where the field has a distance, but none where that is clamped.
+vec3 drawLines(RenderSceneData scene, vec3 ground, float d, float slope, float step) {
+  return isClamped(d) ? ground : drawContour(scene, drawIsoLines(ground, d, slope, step), d, slope);
+}
+
 vec3 cutFace(RenderSceneData scene, vec3 p, vec3 n, float slope) {
   const float d = fieldDistance(p);
-  const vec3 lined = drawIsoLines(insideColour(scene, min(d, -1e-9)), d, slope, scene.lineStep);
-  return (kCutOccluded + kCutSky * ambientOpenness(p, n)) * drawContour(scene, lined, d, slope);
+  const vec3 ground = insideColour(scene, min(d, -1e-9));
+  return (kCutOccluded + kCutSky * ambientOpenness(p, n)) * drawLines(scene, ground, d, slope, scene.lineStep);
 }
 
 vec3 surface(RenderSceneData scene, Ray ray, float t, float skipped) {

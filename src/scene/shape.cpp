@@ -192,7 +192,9 @@ Shape::Shape(DrawnField field, const RenderOptions& options)
     level_ = kSkin;
     extent_ = findExtent(field_, level_);
   }
-  if (std::isfinite(field_.outside())) band_ = field_.outside() / field_.grid().spacing - level_;
+  const double spacing = field_.grid().spacing;
+  if (std::isfinite(field_.outside())) band_ = field_.outside() / spacing - level_;
+  if (std::isfinite(field_.inside())) innerBand_ = field_.inside() / spacing + level_;
   if (isFramed_) extent_ = frameExtent(*options.frame, field_.grid());
   if (glm::any(glm::greaterThan(extent_.min, extent_.max))) {  // Nothing is inside: frame the grid.
     extent_.min = glm::dvec3(0.0);

@@ -47,6 +47,11 @@ class Shape {
     const double d = distance(p);
     return band_ > 0.0 && d > 0.0 ? d / std::max(1.0 - d / band_, 1e-6) : d;
   }
+  /// Returns whether a distance in the field only means "far".
+  bool isClamped(double d) const {
+    const double band = d > 0.0 ? band_ : innerBand_;
+    return band > 0.0 && std::abs(d) > kClampedShare * band;
+  }
   /// Returns the distance in the field itself, before any modifier.
   double fieldDistance(const glm::dvec3& p) const { return field_.value(p) - level_; }
 
@@ -67,6 +72,7 @@ class Shape {
   double wall() const { return wall_; }    ///< Thickness of the wall, in samples; 0 for a solid.
   /// Returns the distance from the surface to where the band ends outside, in samples; 0 for none.
   double band() const { return band_; }
+  double innerBand() const { return innerBand_; }  ///< The same inside.
   /// Returns whether everything above `cutOffset` along `cutNormal` is cut away.
   bool isCut() const { return cut_; }
   const glm::dvec3& cutNormal() const { return cutNormal_; }
@@ -86,7 +92,7 @@ class Shape {
   DrawnField field_;
   double level_;
   double wall_;
-  double band_ = 0.0;
+  double band_ = 0.0, innerBand_ = 0.0;
   Extent extent_;
   bool isFramed_;
   bool cut_;

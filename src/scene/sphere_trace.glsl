@@ -37,6 +37,11 @@ float stretched(float d) {
   return push.shape.band > 0 && d > 0 ? d / max(1 - d / push.shape.band, 1e-6) : d;
 }
 
+bool isClamped(float d) {
+  const float band = d > 0 ? push.shape.band : push.shape.innerBand;
+  return band > 0 && abs(d) > kClampedShare * band;
+}
+
 vec3 shapeNormal(vec3 p) {
   if (isOnCutFace(p)) return push.shape.cutNormal;
   vec3 gradient;

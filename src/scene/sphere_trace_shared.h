@@ -35,6 +35,9 @@ RAYMAP_CONSTANT RAYMAP_REAL kNothingNear = 1e9;
 RAYMAP_CONSTANT RAYMAP_REAL kShadowStart = 0.5;
 RAYMAP_CONSTANT RAYMAP_REAL kDark = 0.01;
 
+// From this share of a band's width on, a distance is taken as clamped.
+RAYMAP_CONSTANT RAYMAP_REAL kClampedShare = 0.999;
+
 // Heights above a surface at which its surroundings are measured, as shares of the shape's radius; the factor
 // from one height's weight to the next one's; and the share of the light that full occlusion takes.
 RAYMAP_CONSTANT int kHeights = 5;

@@ -461,5 +461,34 @@ TEST(LeafTree, KnowsTilesOfAnySizeOnTheLargestLattice) {
   EXPECT_GE(tree.emptyCube(glm::ivec3(1 << 23))->side, 1 << 21);
 }
 
+/// Returns the sum of a pixel's colours.
+int brightness(const Picture& picture, int x, int y) {
+  const uint8_t* rgb = picture.rgb.data() + 3 * (size_t(y) * size_t(picture.width) + size_t(x));
+  return rgb[0] + rgb[1] + rgb[2];
+}
+
+// A pixel is as wide as the band or wider. Slice and cut face are dark near the surface alone.
+TEST(SparseRender, WhatIsFarHasNoLines) {
+  const Mesh ball = shapes::sphere(1.0, 4);
+  const SparseField band = Surface(ball).generateBand(fitGrid(ball, {.resolution = 400}));
+  RenderOptions options{
+      .width = 180, .height = 180, .direction = {0, 0, -1}, .slice = Plane{{0.0, 0.0, 1.0}, 0.0}};
+  const Picture sliced = renderField(band, options);
+  EXPECT_GT(brightness(sliced, 2, 2), 700);
+  options.slice.reset();
+  options.cutPlane = Plane{{0.0, 0.0, 1.0}, 0.0};
+  const Picture cut = renderField(band, options);
+  const int inside = brightness(cut, 90, 90);
+  EXPECT_GT(inside, 200);
+  int dark = 0, face = 0;
+  for (int x = 0; x < 90; ++x) {
+    face += brightness(cut, x, 90) < 600 ? 1 : 0;
+    dark += brightness(cut, x, 90) < inside - 60 ? 1 : 0;
+  }
+  EXPECT_GT(face, 60);
+  EXPECT_GE(dark, 1);  // The surface's own line.
+  EXPECT_LE(dark, 3);
+}
+
 }  // namespace
 }  // namespace raymap

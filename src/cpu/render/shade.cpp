@@ -21,14 +21,20 @@ double floorShade(const DrawnScene& scene, const Ray& ray) {
   return (kFloorInShadow + kFloorSun * sun) * (kFloorOccluded + kFloorSky * sky);
 }
 
+/// Draws lines over the ground where the field has a distance: iso-lines, and the surface's own. What is only
+/// known to be far has none.
+Colour drawLines(const DrawnScene& scene, const Colour& ground, double d, double slope) {
+  if (scene.shape.isClamped(d)) return ground;
+  return drawContour(drawIsoLines(ground, d, slope, scene.lineStep), d, slope, kContour);
+}
+
 /// Returns the colour of the cut face. It is drawn like a slice, without lights, and is only darkened by
 /// occlusion.
 Colour cutFace(const DrawnScene& scene, const glm::dvec3& p, const glm::dvec3& n, double t) {
   const double d = scene.shape.fieldDistance(p);
   const Colour ground = distanceColour(std::min(d, -1e-9), scene.shape.depth());
   return (kCutOccluded + kCutSky * ambientOpenness(scene.shape, p, n)) *
-         drawContour(drawIsoLines(ground, d, t * scene.camera.pixelAngle(), scene.lineStep), d,
-                     t * scene.camera.pixelAngle(), kContour);
+         drawLines(scene, ground, d, t * scene.camera.pixelAngle());
 }
 
 /// Returns the colour of a number at a point inside. `pixel` is a pixel's size there. Lines lie half a step
@@ -48,7 +54,8 @@ Colour numberColour(const DrawnScene& scene, const glm::dvec3& p, double pixel) 
   Colour ground = colouring.at(number);
   if (slope > kPlainValues * pixel * colouring.lineStep)
     ground = drawIsoLines(ground, number - 0.5 * colouring.lineStep, slope, colouring.lineStep);
-  return drawContour(ground, scene.shape.fieldDistance(p), pixel, kContour);
+  const double d = scene.shape.fieldDistance(p);
+  return scene.shape.isClamped(d) ? ground : drawContour(ground, d, pixel, kContour);
 }
 
 Colour surface(const DrawnScene& scene, const Ray& ray, double t) {
@@ -88,7 +95,7 @@ Colour sliceColour(const DrawnScene& scene, const glm::dvec3& p, double slope) {
   if (scene.numbers) return numberColour(scene, p, slope);
   const double d = scene.shape.fieldDistance(p);
   const Colour ground = distanceColour(d, d < 0.0 ? scene.shape.depth() : scene.shape.radius());
-  return drawContour(drawIsoLines(ground, d, slope, scene.lineStep), d, slope, kContour);
+  return drawLines(scene, ground, d, slope);
 }
 
 /// Returns the light along a ray. `y` is the ray's row in the picture.

@@ -45,7 +45,7 @@ vec4 stopAt(uint i) {
 vec3 pointColour(vec3 p, float pixel) {
   if (push.colours != 0) return valueColour(push.scene, p, pixel, push.stopCount, push.lineStep);
   const float d = fieldDistance(p);
-  return drawContour(push.scene, drawIsoLines(colourOf(d, push.stopCount), d, pixel, push.lineStep), d, pixel);
+  return drawLines(push.scene, colourOf(d, push.stopCount), d, pixel, push.lineStep);
 }
 
 vec3 seen(vec2 at) {

@@ -81,7 +81,7 @@ vec3 sliceColour(RenderSceneData scene, vec3 p, float slope) {
   const vec3 ground = d < 0 ? insideColour(scene, d)
                       : far < 0.5 ? mix(scene.outside[0], scene.outside[1], 2 * far)
                                   : mix(scene.outside[1], scene.outside[2], 2 * far - 1);
-  return drawContour(scene, drawIsoLines(ground, d, slope, scene.lineStep), d, slope);
+  return drawLines(scene, ground, d, slope, scene.lineStep);
 }
 
 // Returns the light of a point of the picture. Notes the distance from the eye to what is seen there first, so that no
@@ -131,7 +131,7 @@ void main() {
     const uint steps = stepCounts[local] + stepCounts[local + 1] + stepCounts[local + 2] + stepCounts[local + 3];
     atomicAdd(push.steps.at[0], (steps + 2) / 4);
   }
-  if (push.hasDepth == 0) return;
+  if (uint64_t(push.depth) == 0) return;
   const float nearest = min(min(depths[local], depths[local + 1]), min(depths[local + 2], depths[local + 3]));
   push.depth.at[at] = nearest < kNothingThere ? nearest / push.scale : nearest;
 }

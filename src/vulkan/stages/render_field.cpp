@@ -71,7 +71,6 @@ void RenderFieldStage::recordRows(Commands& commands, const Samples& samples, co
   push_.scale = samples.scale;
   push_.pixels = pixels.colour;
   push_.depth = pixels.depth;
-  push_.hasDepth = pixels.depth != 0;
   push_.steps = pixels.steps;
   push_.firstRow = static_cast<uint32_t>(first);
   push_.rows = static_cast<uint32_t>(count);

@@ -29,13 +29,13 @@ struct RenderFieldPush {
   RAYMAP_ADDRESS(Floats) values;  // Numbers in colour, if they are no distances.
   RAYMAP_ADDRESS(RenderPictures) picture;
   RAYMAP_ADDRESS(Uints) pixels;  // Red, green, blue, 255 from the lowest byte.
-  RAYMAP_ADDRESS(Floats) depth;  // Distance from the eye to what a pixel shows, in units of the samples.
-  RAYMAP_ADDRESS(Uints) steps;   // Sum over the pixels: steps of the mean ray. Used where steps are counted.
+  RAYMAP_ADDRESS(Floats)
+  depth;  // Distance from the eye to what a pixel shows, in units of the samples; 0: not wanted.
+  RAYMAP_ADDRESS(Uints) steps;  // Sum over the pixels: steps of the mean ray. Used where steps are counted.
   RenderShape shape;
   uint width, height;
   uint firstRow, rows;
   float scale;  // Spacings per unit of the samples.
-  uint hasDepth;
 };
 RAYMAP_CHECK_SIZE(RenderFieldPush, 128);
 
