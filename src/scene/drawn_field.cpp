@@ -69,7 +69,7 @@ std::vector<uint32_t> DrawnField::leafIndex(double scale) const {
   words[kIndexOutside] = bitsOf(outside_);
   words[kIndexInside] = bitsOf(-inside_);
   words[kIndexCubeBits] = uint32_t(space_->bits());
-  for (int axis = 0; axis < 3; ++axis) words[size_t(kIndexCubeDims + axis)] = uint32_t(space_->dims()[axis]);
+  for (int axis = 0; axis < 3; ++axis) words[kIndexCubeDims + axis] = uint32_t(space_->dims()[axis]);
   addNodes(*tree_, words);
   words[kIndexCubes] = uint32_t(words.size());
   addCubes(*space_, words);

@@ -201,7 +201,7 @@ TEST_F(VulkanRender, AFieldThatIsOnTheDevice) {
   int seen = 0;
   for (int y = 0; y < 90; ++y)
     for (int x = 0; x < 120; ++x) {
-      const float away = depths[size_t(y * 120 + x)];
+      const float away = depths[size_t(y) * 120 + size_t(x)];
       if (away == std::numeric_limits<float>::max()) continue;
       const Ray ray = scene.camera.ray(x + 0.5, y + 0.5);
       const glm::dvec3 p = ray.origin + double(away) / field.grid.spacing * ray.direction;
