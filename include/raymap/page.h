@@ -62,7 +62,7 @@ RAYMAP_API Page writePage(const std::filesystem::path& path, const Field& field,
 /// Returns a page of a narrow band, without the memory of its dense field: time and memory grow with the
 /// surface. It shows distances only, none of them clamped: at each sample of the page that to the band's
 /// `isosurface`, which `generate` makes there. So the surface across a hole of an open mesh counts, too.
-/// Where the band's box cuts the solid off, the solid is taken to go straight on.
+/// Where the band's box cuts the solid, distances are those of a solid that goes straight on beyond it.
 ///
 /// `machine.device` and `memoryLimit` count for that field. Throws as above, and Usage if no sample of the
 /// band is inside, or for an array other than the distance.

@@ -168,7 +168,7 @@ class RAYMAP_API Skinner {
   std::unique_ptr<Impl> impl_;
 };
 
-/// What a narrow band on the device has besides its samples.
+/// How a renderer finds the leaves of a narrow band on the device, and the widths of the band.
 struct BandBuffer {
   BufferRange leafIndex = {};          ///< The words of `packLeafIndex`; none: the field is dense.
   double inside = 0.0, outside = 0.0;  ///< As in `SparseField`.
@@ -190,8 +190,8 @@ struct FieldBuffer {
   /// Samples of `RenderOptions::array`. If that is `Distance`, those of a second field on the same grid, as
   /// `RenderOptions::other` shows them; none: there is no second one.
   BufferRange values = {};
-  /// Of a narrow band. `distance` and `values` then hold 512 samples per leaf, as the arrays of a
-  /// `SparseField`; there is no second field.
+  /// Set if the field is a narrow band. Then `distance` and `values` hold 512 samples per leaf, as the arrays
+  /// of a `SparseField` do. A second field is not drawn beside it.
   BandBuffer band = {};
 };
 

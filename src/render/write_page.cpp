@@ -192,7 +192,7 @@ std::string dimsText(const Grid& grid) {
          std::to_string(grid.dims.z);
 }
 
-/// What a page shows of a field or a narrow band.
+/// A field or a narrow band, and its samples on the grid of the page.
 struct ShownField {
   const Field& shown;                 ///< Its samples on the grid of the page.
   const Field& measured;              ///< The field as given; of a band, those samples.

@@ -45,7 +45,7 @@ class RenderFieldStage {
   void recordRows(Commands& commands, const Samples& samples, const Pixels& pixels, int first, int count);
 
  private:
-  /// What a kernel is specialised for.
+  /// Specialization constants of a kernel.
   struct Variant {
     bool hasNumbers, isBand, countsSteps;
   };
