@@ -31,7 +31,8 @@ void* allocatePages(size_t bytes) {
   if (!memory)
     throw Error(ErrorCode::Memory, "cannot allocate " + neededText(bytes) + "; use a lower resolution");
 #ifdef __linux__
-  if (alignment == kHugePage) madvise(memory, roundUp(bytes, alignment), MADV_HUGEPAGE);
+  // Not the last part: a large page would be held as a whole.
+  if (alignment == kHugePage) madvise(memory, bytes / kHugePage * kHugePage, MADV_HUGEPAGE);
 #endif
   return memory;
 }
