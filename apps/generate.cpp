@@ -259,11 +259,17 @@ bool isNarrowBand(const GenerateArguments& arguments, const Grid& grid) {
   return isPossible && (arguments.fullInside || grid.sampleCount() > kManySamples);
 }
 
-/// Makes and writes a field near the surface alone.
-void makeBand(const GenerateArguments& arguments, const Mesh& mesh, Report& report,
-              const MachineOptions& machine) {
+bool isReported(const GenerateArguments& arguments) {
+  return !arguments.stats.empty() || !arguments.report.empty() || !arguments.reportPicture.empty();
+}
+
+/// Makes and writes a field near the surface alone. Takes the mesh if no report needs it.
+void makeBand(const GenerateArguments& arguments, Mesh& mesh, Report& report, const MachineOptions& machine) {
   const FieldOptions& options = arguments.options;
-  const Surface surface(mesh, {.orientation = options.orientation, .threshold = options.threshold}, machine);
+  const SurfaceOptions asked{
+      .orientation = options.orientation, .threshold = options.threshold, .compact = true};
+  const Surface surface = isReported(arguments) ? Surface(MeshView(mesh), asked, machine)
+                                                : Surface(std::move(mesh), asked, machine);
   report.stats = surface.stats();
   SparseField band;
   timeStep(report.stats.stages, "narrow_band", [&] {
@@ -390,7 +396,8 @@ void makeDense(const GenerateArguments& arguments, const Mesh& mesh, Generator& 
 }
 
 /// Makes the field of a mesh on a grid about `bounds`, and writes it. `title` begins the names of stages.
-void make(const GenerateArguments& arguments, const Mesh& mesh, const std::optional<Box>& bounds,
+/// May take the mesh.
+void make(const GenerateArguments& arguments, Mesh& mesh, const std::optional<Box>& bounds,
           const std::string& title, Generator& generator, Field& field, Report& report, Json* frames) {
   const bool isEmpty = mesh.triangles.empty();
   if (isEmpty) checkEmpty(arguments, bounds.value_or(Box{}));
@@ -411,7 +418,7 @@ void make(const GenerateArguments& arguments, const Mesh& mesh, const std::optio
       makeDense(arguments, mesh, generator, field, report, machine);
   }
   if (report.written.empty()) timeStep(report.after, "write", [&] { writeAll(arguments, field, report); });
-  if (!arguments.stats.empty() || !arguments.report.empty() || !arguments.reportPicture.empty())
+  if (isReported(arguments))
     timeStep(report.after, "report", [&] { writeReports(arguments, mesh, field, report, frames); });
 }
 

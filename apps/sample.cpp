@@ -65,11 +65,11 @@ void run(SampleArguments& arguments) {
   prepareFiles(arguments.format, {{arguments.mesh, meshExtensions()}}, outputs);
   if (!arguments.mayOverwrite) checkInputs(outputs, {arguments.mesh});
   samplePointCounts(arguments.choice);
-  const Mesh mesh = loadMesh(arguments.mesh, arguments.format.input, arguments.units);
+  Mesh mesh = loadMesh(arguments.mesh, arguments.format.input, arguments.units);
   ProgressLine line;
   const MachineOptions machine = withProgress(arguments.machine, line);
   const Surface surface(
-      mesh,
+      std::move(mesh),
       {.orientation = fromName<Orientation>(arguments.orientation), .threshold = arguments.options.threshold},
       machine);
   const PointSamples samples = samplePoints(surface, arguments.choice, machine);

@@ -25,8 +25,8 @@ void runEmbree(const Case& input, Buffer<float>& values);
 /// OpenVDB's meshToVolume, copied to a dense array.
 void runOpenvdb(const Case& input, Buffer<float>& values);
 
-/// Narrow bands. Ours gives the values of its leaves, OpenVDB's nothing.
-void runRaymapBand(const Case& input, Buffer<float>& values);
+/// Narrow bands. Ours takes the mesh and gives the values of its leaves, OpenVDB's gives nothing.
+void runRaymapBand(Case& input, Buffer<float>& values);
 void runOpenvdbBand(const Case& input, Buffer<float>& values);
 
 }  // namespace raymap::bench

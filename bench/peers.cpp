@@ -17,7 +17,7 @@ namespace raymap::bench {
 
 namespace {
 
-const std::map<std::string, std::function<void(const Case&, Buffer<float>&)>> kMethods = {
+const std::map<std::string, std::function<void(Case&, Buffer<float>&)>> kMethods = {
     {"raymap", runRaymap},   {"raymap_winding", runRaymapWinding}, {"raymap_band", runRaymapBand},
 #ifdef RAYMAP_BENCH_EMBREE
     {"embree", runEmbree},

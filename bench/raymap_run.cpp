@@ -31,9 +31,9 @@ void runRaymapWinding(const Case& input, Buffer<float>& values) {
   values = std::move(field.winding);
 }
 
-void runRaymapBand(const Case& input, Buffer<float>& values) {
+void runRaymapBand(Case& input, Buffer<float>& values) {
   const MachineOptions machine{.threads = input.threads};
-  const Surface surface(input.mesh, {}, machine);
+  const Surface surface(std::move(input.mesh), {.compact = true}, machine);
   values = surface.generateBand(input.grid, {.outside = input.band, .inside = input.band}, machine).distance;
 }
 

@@ -20,6 +20,9 @@ struct SurfaceOptions {
   SignMode sign = SignMode::Harmonic;
   Orientation orientation = Orientation::Auto;  ///< Whether faces that point the wrong way may be reversed.
   double threshold = 0.5;                       ///< A point is inside if |winding number| exceeds this.
+  /// Whether to take 68 bytes per triangle less. The results are the same. Scattered points then take up to a
+  /// third more time, and narrow bands hardly more.
+  bool compact = false;
 };
 
 /// Points in the caller's memory. Point i: three numbers at `data` + i * `stride` bytes, in the mesh's units.

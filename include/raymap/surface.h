@@ -15,8 +15,8 @@
 
 namespace raymap {
 
-/// A mesh prepared once for queries at any points. It copies what it needs of the mesh and never changes, so
-/// several threads may use it at the same time.
+/// A mesh prepared once for queries at any points. It has a mesh of its own and never changes, so several
+/// threads may use it at the same time.
 ///
 /// Distances are those to the mesh itself, within a millionth of its diagonal. (Farther from the mesh than
 /// its size, they are within a millionth of the distance.) Signs follow the winding number, as those of
@@ -28,6 +28,8 @@ class RAYMAP_API Surface {
   /// (see `validate`), Usage for the options, Memory, Cancelled.
   explicit Surface(const MeshView& mesh, const SurfaceOptions& options = {},
                    const MachineOptions& machine = {});
+  /// Does the same, and keeps the mesh instead of a copy.
+  explicit Surface(Mesh&& mesh, const SurfaceOptions& options = {}, const MachineOptions& machine = {});
   ~Surface();
   Surface(Surface&&) noexcept;
   Surface& operator=(Surface&&) noexcept;

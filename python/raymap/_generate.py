@@ -220,6 +220,7 @@ def _generate_sparse(mesh: Mesh, options: FieldOptions) -> SparseField:
     band_options = sparse_options(options, core_options)
     surface_options = _raymap.SurfaceOptions()
     surface_options.sign, surface_options.threshold = core_options.sign != "none", core_options.threshold
+    surface_options.compact = True
     machine = to_machine("cpu", options.get("threads"), options.get("memory_limit"))
     with reporting(options.get("progress")) as report:
         surface = _raymap.Surface(core, surface_options, core_options.orientation, machine, report)

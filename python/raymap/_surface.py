@@ -137,6 +137,8 @@ class Surface:
         sign: Whether to tell inside from outside. Without, preparing takes less time and memory.
         orientation: Whether faces that point the wrong way are reversed: ``"auto"``, if the mesh then fits clearly
             better; ``"keep"``, never; ``"repair"``, whenever it fits no worse.
+        compact: Whether to take 68 bytes per face less. The results are the same. Scattered points then take up to a
+            third more time, and narrow bands hardly more.
         threads: Number of CPU threads; None = ``raymap.get_threads()``.
         memory_limit: Most bytes that the surface may hold while it is made; None = what is available.
         progress: A callable that receives the name of a stage and the share of it that is done, 0 to 1, about ten
@@ -165,15 +167,17 @@ class Surface:
         *,
         sign: bool = True,
         orientation: Orientation = "auto",
+        compact: bool = False,
         threads: int | None = None,
         memory_limit: int | None = None,
         progress: Progress = None,
     ) -> None:
         mesh = core_of(_inputs.to_mesh(mesh_or_vertices, faces))
         options = _raymap.SurfaceOptions()
-        options.sign = bool(sign)
+        options.sign, options.compact = bool(sign), bool(compact)
         machine = to_machine("cpu", threads, memory_limit)
-        self._sign, self._orientation, self._threads, self._memory_limit = options.sign, orientation, threads, memory_limit
+        self._sign, self._orientation, self._compact = options.sign, orientation, options.compact
+        self._threads, self._memory_limit = threads, memory_limit
         with reporting(progress) as report:
             self._core = _raymap.Surface(mesh, options, orientation, machine, report)
         self._stats: Stats = self._core.stats()  # type: ignore[assignment]
@@ -547,7 +551,14 @@ class Surface:
         return f"raymap.Surface({counts}{'' if self._sign else ', no sign'})"
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return _prepare, (self.mesh, self._sign, self._orientation, self._threads, self._memory_limit)
+        return _prepare, (
+            self.mesh,
+            self._sign,
+            self._orientation,
+            self._compact,
+            self._threads,
+            self._memory_limit,
+        )
 
 
 @overload
@@ -643,7 +654,14 @@ def core_of_surface(surface: Surface) -> _raymap.Surface:
 
 
 def _prepare(
-    mesh: Mesh, sign: bool, orientation: Orientation, threads: int | None, memory_limit: int | None
+    mesh: Mesh,
+    sign: bool,
+    orientation: Orientation,
+    compact: bool,
+    threads: int | None,
+    memory_limit: int | None,
 ) -> Surface:
     """Makes a surface of what was pickled."""
-    return Surface(mesh, sign=sign, orientation=orientation, threads=threads, memory_limit=memory_limit)
+    return Surface(
+        mesh, sign=sign, orientation=orientation, compact=compact, threads=threads, memory_limit=memory_limit
+    )

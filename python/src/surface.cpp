@@ -105,7 +105,8 @@ void bindOptions(nb::module_& module) {
       .def_prop_rw(
           "sign", [](const SurfaceOptions& self) { return self.sign != SignMode::None; },
           [](SurfaceOptions& self, bool sign) { self.sign = sign ? SignMode::Harmonic : SignMode::None; })
-      .def_rw("threshold", &SurfaceOptions::threshold);
+      .def_rw("threshold", &SurfaceOptions::threshold)
+      .def_rw("compact", &SurfaceOptions::compact);
   nb::class_<QueryOptions>(module, "QueryOptions")
       .def(nb::init<>())
       .def_rw("distance", &QueryOptions::distance)

@@ -259,6 +259,17 @@ def test_pickled_surfaces_give_the_same_bits(ball):
             np.testing.assert_array_equal(made.stats["turned_faces"], surface.stats["turned_faces"])
 
 
+def test_compact_surfaces_take_less_memory_and_give_the_same_bits(ball):
+    mesh = raymap.Mesh(broken(ball).vertices, broken(ball).faces)
+    surface, compact = raymap.Surface(mesh), raymap.Surface(mesh, compact=True)
+    assert compact.stats["bytes"] < surface.stats["bytes"]
+    points = random_points(300)
+    for made in (compact, pickle.loads(pickle.dumps(compact))):
+        assert made.stats["bytes"] == compact.stats["bytes"]
+        for array, other in zip(made.query(points, raymap.Query._fields), surface.query(points, raymap.Query._fields)):
+            np.testing.assert_array_equal(array, other)
+
+
 def test_the_given_arrays_may_change(ball):
     vertices, faces = ball.vertices.copy(), ball.faces.copy()
     surface = raymap.Surface(vertices, faces)

@@ -82,24 +82,35 @@ void check(const ThicknessOptions& options, std::span<const FacePoint> points, s
                                         std::to_string(triangles));
 }
 
+Mesh copyOf(const MeshView& view, size_t memoryLimit) {
+  if (memoryLimit > 0) checkFieldMemory(MeshPacker::bytesNeeded(view), memoryLimit);
+  MeshPacker packer;
+  const PackedMesh packed = packer.pack(view);
+  return {{packed.vertices.begin(), packed.vertices.end()},
+          {packed.triangles.begin(), packed.triangles.end()},
+          packed.origin};
+}
+
 }  // namespace
 
 struct Surface::Impl {
-  Buffer<glm::vec3> vertices;
-  Buffer<glm::uvec3> triangles;
-  cpu::PreparedSurface prepared;  // Refers to both.
+  Mesh mesh;
+  cpu::PreparedSurface prepared;  // Refers to it.
   Stats stats;
 
-  PackedMesh copy(const MeshView& view, size_t memoryLimit) {
-    if (memoryLimit > 0) checkFieldMemory(MeshPacker::bytesNeeded(view), memoryLimit);
-    MeshPacker packer;
-    const PackedMesh mesh = packer.pack(view);
-    validate(mesh);
-    vertices.resizeUninitialized(mesh.vertices.size());
-    triangles.resizeUninitialized(mesh.triangles.size());
-    std::ranges::copy(mesh.vertices, vertices.begin());
-    std::ranges::copy(mesh.triangles, triangles.begin());
-    return {vertices, triangles, mesh.origin};
+  /// Prepares the mesh that `takeMesh` returns.
+  template <class TakeMesh>
+  void prepare(const SurfaceOptions& options, const MachineOptions& machine, TakeMesh&& takeMesh) {
+    const Stopwatch stopwatch;
+    check(options);
+    Progress progress(machine.progress);
+    withThreads(machine.threads, [&] {
+      mesh = takeMesh();
+      validate(mesh);
+      prepared = cpu::prepareSurface(mesh, options, machine, meshBytes(), progress, stats);
+    });
+    stats.milliseconds = stopwatch.milliseconds();
+    stats.bytes = std::max(stats.bytes, bytes());
   }
 
   size_t bytes() const { return meshBytes() + prepared.bytes(); }
@@ -107,20 +118,19 @@ struct Surface::Impl {
   size_t most(const MachineOptions& machine) const {
     return machine.memoryLimit > 0 ? machine.memoryLimit : bytes() + availableMemory();
   }
-  size_t meshBytes() const { return vertices.capacityBytes() + triangles.capacityBytes(); }
+  size_t meshBytes() const {
+    return mesh.vertices.capacity() * sizeof(glm::vec3) + mesh.triangles.capacity() * sizeof(glm::uvec3);
+  }
 };
 
 Surface::Surface(const MeshView& view, const SurfaceOptions& options, const MachineOptions& machine)
     : impl_(std::make_unique<Impl>()) {
-  const Stopwatch stopwatch;
-  check(options);
-  Progress progress(machine.progress);
-  withThreads(machine.threads, [&] {
-    const PackedMesh mesh = impl_->copy(view, machine.memoryLimit);
-    impl_->prepared = cpu::prepareSurface(mesh, options, machine, impl_->meshBytes(), progress, impl_->stats);
-  });
-  impl_->stats.milliseconds = stopwatch.milliseconds();
-  impl_->stats.bytes = std::max(impl_->stats.bytes, bytes());
+  impl_->prepare(options, machine, [&] { return copyOf(view, machine.memoryLimit); });
+}
+
+Surface::Surface(Mesh&& mesh, const SurfaceOptions& options, const MachineOptions& machine)
+    : impl_(std::make_unique<Impl>()) {
+  impl_->prepare(options, machine, [&] { return std::move(mesh); });
 }
 
 Surface::~Surface() = default;
@@ -145,7 +155,7 @@ QueryResult Surface::query(const PointsView& points, const QueryOptions& options
 
 std::vector<Thickness> Surface::thickness(std::span<const FacePoint> points, const ThicknessOptions& options,
                                           const MachineOptions& machine) const {
-  check(options, points, impl_->triangles.size(), impl_->prepared.isSigned);
+  check(options, points, impl_->mesh.triangles.size(), impl_->prepared.isSigned);
   Progress progress(machine.progress);
   std::vector<Thickness> thickness(points.size());
   withThreads(machine.threads, [&] {

@@ -28,7 +28,17 @@ constexpr size_t kFacesPerTask = 1024;
 
 }  // namespace
 
-size_t Backend::bytesNeeded(const PackedMesh& mesh, const Grid& grid, const FieldOptions& options) {
+void Backend::take(const Job& job, size_t meshBytes, std::optional<Frames> frames) {
+  // Few samples read few leaves, and most of those once.
+  constexpr size_t kFewSamples = 4;  // Per triangle, the share of one.
+  const bool areFew = kFewSamples * job.grid.sampleCount() < job.mesh.triangles.size();
+  job_.emplace(job);
+  meshBytes_ = meshBytes;
+  frames_ = frames.value_or(areFew ? Frames::Made : Frames::Stored);
+}
+
+size_t Backend::bytesNeeded() const {
+  const auto& [mesh, grid, options, progress, field, machine] = *job_;
   const bool isExact = options.distance == DistanceMode::Exact,
              isRaster = options.distance == DistanceMode::Raster, isSigned = options.sign != SignMode::None;
   const size_t samples = grid.sampleCount(), triangles = mesh.triangles.size(),
@@ -38,7 +48,7 @@ size_t Backend::bytesNeeded(const PackedMesh& mesh, const Grid& grid, const Fiel
   if (!isExact) bytes += CellLevel::bytesNeeded(samples);
   if (!isExact && !isRaster) bytes += VoxelGrid::bytesExpected(samples, triangles);
   if (isExact || options.sign == SignMode::Harmonic || options.closeHoles)
-    bytes += SurfaceTree::bytesNeeded(triangles);
+    bytes += SurfaceTree::bytesNeeded(triangles, frames_);
   if (options.sign == SignMode::Exact) bytes += samples * sizeof(uint32_t);  // The list of samples.
   if (isSigned) bytes += crossingBytesExpected(grid.dims) + RayMap::bytesExpected(grid.dims);
   if (options.closeHoles) bytes += kRimBytesPerTriangle * triangles;
@@ -67,7 +77,7 @@ void Backend::begin() {
 
 const SurfaceTree& Backend::surfaceTree() {
   if (std::exchange(hasSurfaceTree_, true)) return surfaceTree_;
-  doubleSided_ = surfaceTree_.buildSingleSided(mesh_, mesh().vertices);
+  doubleSided_ = surfaceTree_.buildSingleSided(mesh_, mesh().vertices, frames_);
   turns_.clear();
   treeTurns_ = TreeTurns::Unasked;
   return surfaceTree_;
@@ -83,7 +93,7 @@ const SurfaceTree& Backend::turnedSurfaceTree() {
   if (turns)
     surfaceTree_.turn(*turns);
   else
-    surfaceTree_.build(mesh_);
+    surfaceTree_.build(mesh_);  // Its frames are stored, as the turned triangles do not outlive it.
   return surfaceTree_;
 }
 
@@ -91,7 +101,7 @@ std::pair<SurfaceTree, WindingDipoles> Backend::takeTree() {
   surfaceTree();
   if (treeTurns_ == TreeTurns::Some) {
     mesh_.triangles = mesh().triangles;
-    surfaceTree_.buildSingleSided(mesh_, mesh().vertices);
+    surfaceTree_.buildSingleSided(mesh_, mesh().vertices, frames_);
     windingDipoles_.clear();
   }
   hasSurfaceTree_ = false;

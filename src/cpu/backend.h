@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "base/progress.h"
@@ -17,11 +18,9 @@ namespace raymap::cpu {
 /// CPU backend: runs every stage of method/pipeline.h. Keeps its memory between runs.
 class Backend {
  public:
-  /// Sets the job of the next run. A copy of the caller's mesh holds `meshBytes` bytes.
-  void take(const Job& job, size_t meshBytes = 0) {
-    job_.emplace(job);
-    meshBytes_ = meshBytes;
-  }
+  /// Sets the job of the next run. A copy of the caller's mesh holds `meshBytes` bytes. Without `frames`, the
+  /// numbers of samples and triangles decide where the tree has them.
+  void take(const Job& job, size_t meshBytes = 0, std::optional<Frames> frames = {});
 
   const FieldOptions& options() const { return job_->options; }
   template <class Work>
@@ -77,9 +76,9 @@ class Backend {
   size_t bytes() const;
   /// Returns the most bytes that the run may hold.
   size_t mostBytes() const;
-  /// Returns the number of bytes that a run holds with the field if all rays agree, from sizes alone. Layers
-  /// of surface add to it. A run asks for more when it knows that rays disagree.
-  static size_t bytesNeeded(const PackedMesh& mesh, const Grid& grid, const FieldOptions& options);
+  /// Returns the number of bytes that the run holds with the field if all rays agree, from sizes alone.
+  /// Layers of surface add to it. A run asks for more when it knows that rays disagree.
+  size_t bytesNeeded() const;
 
  private:
   /// Throws `Error(Memory)` if these bytes are too many beside those held. The message has `why`.
@@ -99,6 +98,7 @@ class Backend {
 
   std::optional<Job> job_;
   size_t meshBytes_ = 0;
+  Frames frames_ = Frames::Stored;
 
   CellMesh mesh_;
   Buffer<glm::uvec3> turnedTriangles_;

@@ -6,9 +6,9 @@
 
 namespace raymap::cpu {
 
-Stats runOnCpu(Backend& backend, const Job& job, size_t meshBytes) {
-  backend.take(job, meshBytes);
-  checkFieldMemory(meshBytes + Backend::bytesNeeded(job.mesh, job.grid, job.options), backend.mostBytes());
+Stats runOnCpu(Backend& backend, const Job& job, size_t meshBytes, std::optional<Frames> frames) {
+  backend.take(job, meshBytes, frames);
+  checkFieldMemory(meshBytes + backend.bytesNeeded(), backend.mostBytes());
   withThreads(job.machine.threads, [&] { runPipeline(backend); });
   Stats stats;
   stats.device = "cpu";

@@ -9,11 +9,11 @@ void toCellUnits(const PackedMesh& mesh, const Grid& grid, CellMesh& cells) {
   cells.dims = grid.dims;
   cells.triangles = mesh.triangles;
   cells.vertices.resizeUninitialized(mesh.vertices.size());
-  const glm::dvec3 shift = mesh.origin - grid.origin;
-  const double scale = 1.0 / grid.spacing;  // Every device must multiply by it to get the same bits.
+  cells.given = mesh;
+  // Every device must multiply by the scale to get the same bits.
+  cells.units = {.shift = mesh.origin - grid.origin, .scale = 1.0 / grid.spacing};
   parallelFor(mesh.vertices.size(), kGrain, [&](size_t begin, size_t end) {
-    for (size_t v = begin; v < end; ++v)
-      cells.vertices[v] = glm::vec3((shift + glm::dvec3(mesh.vertices[v])) * scale);
+    for (size_t v = begin; v < end; ++v) cells.vertices[v] = cells.units(mesh.vertices[v]);
   });
 }
 

@@ -567,6 +567,65 @@ TEST(Surface, ReportsTheShareOfItsPoints) {
   EXPECT_EQ(shares.back(), 1.0);
 }
 
+TEST(Surface, GivesTheSameIfItIsCompact) {
+  for (const Mesh& mesh : {shapes::sphere(1.0, 5), withHoles(shapes::sphere(1.0, 5), 5, 0.2, 1),
+                           withFlippedFaces(shapes::sphere(1.0, 5), 0.3, 1),
+                           withDoubledFaces(shapes::sphere(1.0, 4), 1.0, 2), shapes::soup(3000, 1)})
+    for (const SignMode sign : {SignMode::Harmonic, SignMode::None}) {
+      SCOPED_TRACE(testing::Message() << mesh.triangles.size() << " triangles, " << name(sign));
+      const Surface surface(mesh, {.sign = sign}), compact(mesh, {.sign = sign, .compact = true});
+      EXPECT_LT(compact.bytes() + 30 * mesh.triangles.size(), surface.bytes());
+      EXPECT_EQ(compact.stats().turnedFaces, surface.stats().turnedFaces);
+      const bool isSigned = sign != SignMode::None;
+      QueryOptions everything = kEverything;
+      everything.winding = everything.confidence = isSigned;
+      for (const size_t count : {10, 1000}) {  // Each by itself, and in blocks.
+        const std::vector<glm::dvec3> points = uniformPoints(mesh, count, 0.5),
+                                      near = nearPoints(mesh, count, 1e-3);
+        for (const std::vector<glm::dvec3>& some : {points, near}) {
+          const QueryResult expected = surface.query(some, everything),
+                            found = compact.query(some, everything);
+          EXPECT_TRUE(sameBits(found.distance, expected.distance));
+          EXPECT_TRUE(sameBits(found.closest, expected.closest));
+          EXPECT_TRUE(sameBits(found.triangle, expected.triangle));
+          EXPECT_TRUE(sameBits(found.direction, expected.direction));
+          EXPECT_TRUE(sameBits(found.winding, expected.winding));
+          EXPECT_TRUE(sameBits(found.confidence, expected.confidence));
+        }
+      }
+      const BandOptions band{.triangle = true, .winding = isSigned};
+      const Grid grid = fitGrid(mesh, {.resolution = 40});
+      const SparseField expected = surface.generateBand(grid, band), found = compact.generateBand(grid, band);
+      EXPECT_TRUE(sameBits(found.distance, expected.distance));
+      EXPECT_TRUE(sameBits(found.triangle, expected.triangle));
+      EXPECT_TRUE(sameBits(found.winding, expected.winding));
+    }
+}
+
+TEST(Surface, MeasuresTheSameThicknessIfItIsCompact) {
+  const Mesh mesh = shapes::torus(1.0, 0.3, 40, 20);
+  std::vector<FacePoint> points;
+  for (uint32_t face = 0; face < mesh.triangles.size(); face += 7)
+    points.push_back({.position = mesh.position(mesh.triangles[face].x), .triangle = face});
+  const std::vector<Thickness> expected = Surface(mesh).thickness(points),
+                               found = Surface(mesh, {.compact = true}).thickness(points);
+  EXPECT_EQ(found, expected);
+}
+
+TEST(Surface, KeepsAMeshThatIsGivenAway) {
+  const Mesh mesh = withHoles(shapes::sphere(1.0, 4), 3, 0.1, 1);
+  const std::vector<glm::dvec3> points = uniformPoints(mesh, 100);
+  const QueryResult expected = Surface(mesh).query(points);
+  Mesh given = mesh;
+  const glm::vec3* const vertices = given.vertices.data();
+  const Surface surface(std::move(given));
+  EXPECT_EQ(surface.mesh().vertices, vertices) << "no copy";
+  EXPECT_TRUE(sameBits(surface.query(points).distance, expected.distance));
+  Mesh bad = mesh;
+  bad.triangles[3].y = 1u << 30;
+  EXPECT_EQ(codeOf([&] { Surface refused(std::move(bad)); }), ErrorCode::Input);
+}
+
 TEST(Surface, KeepsItsMeshWhenMoved) {
   Mesh mesh = withFlippedFaces(shapes::sphere(1.0, 3), 0.3, 1);
   Surface first(mesh);

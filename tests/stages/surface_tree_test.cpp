@@ -3,13 +3,21 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <cmath>
+#include <memory>
+#include <optional>
 #include <random>
+#include <utility>
 #include <vector>
 
+#include "any_threads.h"
 #include "broken_meshes.h"
 #include "cells.h"
+#include "cpu/backend.h"
 #include "mesh/double_sided.h"
+#include "method/pipeline.h"
 #include "method/turns.h"
 #include "shapes.h"
 
@@ -27,6 +35,16 @@ OwnCellMesh cellsOf(const Mesh& mesh) {
 glm::dvec3 vectorOf(const float* x, const float* y, const float* z, uint32_t lane) {
   return {x[lane], y[lane], z[lane]};
 }
+
+/// A mesh, and the same converted to cell units as a run does it.
+struct CellMeshOf {
+  Mesh mesh;
+  CellMesh cells = {};
+
+  explicit CellMeshOf(Mesh given) : mesh(std::move(given)) {
+    toCellUnits(mesh, Grid{{20, 20, 20}, glm::dvec3(-0.3, 0.1, 0.7), 0.13}, cells);
+  }
+};
 
 /// Returns the distance of a point from the disc of a node; 0 inside.
 double discDistance(const SurfaceTree& tree, uint32_t node, const glm::dvec3& p) {
@@ -193,11 +211,108 @@ TEST(SurfaceTree, TurnsTheNormalsOfSomeFaces) {
 }
 
 TEST(SurfaceTree, KnowsWhatItWillHold) {
-  for (const int count : {1, 8, 9, 64, 65, 513, 5000}) {
-    SurfaceTree tree;
-    tree.build(cellsOf(shapes::soup(count, 1)));
-    EXPECT_EQ(tree.bytes(), SurfaceTree::bytesNeeded(size_t(count))) << count;
+  for (const int count : {1, 8, 9, 64, 65, 513, 5000})
+    for (const Frames frames : {Frames::Stored, Frames::Made}) {
+      const CellMeshOf cells(shapes::soup(count, 1));
+      SurfaceTree tree;
+      tree.build(cells.cells, frames);
+      EXPECT_EQ(tree.bytes(), SurfaceTree::bytesNeeded(size_t(count), frames)) << count;
+    }
+  EXPECT_EQ(SurfaceTree::bytesNeeded(8000) - SurfaceTree::bytesNeeded(8000, Frames::Made), 8000u * 68);
+}
+
+/// Checks that two trees have the same triangles, to the last bit.
+void expectSameFrames(const SurfaceTree& made, const SurfaceTree& stored) {
+  ASSERT_EQ(made.triangleCount(), stored.triangleCount());
+  ASSERT_EQ(made.leafCount(), stored.leafCount());
+  const auto bitsOf = [](const TrianglePacket& packet, uint32_t lane) {
+    std::vector<uint32_t> bits;
+    for (const auto* field : {packet.ax, packet.ay, packet.az, packet.xx, packet.xy, packet.xz, packet.yx,
+                              packet.yy, packet.yz, packet.zx, packet.zy, packet.zz, packet.bx, packet.cx,
+                              packet.cy, packet.inverseBc2, packet.inverseCa2})
+      bits.push_back(std::bit_cast<uint32_t>(field[lane]));
+    bits.push_back(packet.id[lane]);
+    return bits;
+  };
+  for (uint32_t t = 0; t < stored.triangleCount(); ++t) {
+    ASSERT_EQ(bitsOf(made.triangles(t / kPacket), t % kPacket),
+              bitsOf(stored.triangles(t / kPacket), t % kPacket))
+        << t;
+    ASSERT_EQ(made.triangleId(t), stored.triangleId(t)) << t;
   }
+}
+
+TEST(SurfaceTree, MakesTheFramesThatItDoesNotStore) {
+  // The large mesh has more leaves than a thread keeps frames of.
+  std::vector<std::unique_ptr<CellMeshOf>> meshes;
+  for (const int count : {1, 9, 500, 20000})
+    meshes.push_back(std::make_unique<CellMeshOf>(shapes::soup(count, unsigned(count))));
+  std::vector<SurfaceTree> made(meshes.size()), stored(meshes.size());
+  for (size_t m = 0; m < meshes.size(); ++m) {
+    made[m].build(meshes[m]->cells, Frames::Made);
+    stored[m].build(meshes[m]->cells);
+    EXPECT_LT(made[m].bytes(), stored[m].bytes());
+  }
+  for (size_t m = 0; m < meshes.size(); ++m) expectSameFrames(made[m], stored[m]);  // Mixed with each other.
+  for (size_t m = meshes.size(); m-- > 0;) expectSameFrames(made[m], stored[m]);
+
+  std::vector<uint8_t> turns(20000);
+  for (size_t f = 0; f < turns.size(); ++f) turns[f] = std::array{kAsGiven, kReversed, kLeftOut}[f % 3];
+  made[3].turn(turns);
+  stored[3].turn(turns);
+  expectSameFrames(made[3], stored[3]);
+
+  const SurfaceTree moved = std::move(made[2]);
+  made[2].build(meshes[3]->cells, Frames::Made);  // Its leaves have the numbers of the moved ones.
+  stored[3].build(meshes[3]->cells);
+  expectSameFrames(made[2], stored[3]);
+  expectSameFrames(moved, stored[2]);
+}
+
+struct RunResult {
+  Field field;
+  size_t bytes;
+};
+
+RunResult run(const Mesh& mesh, const Grid& grid, std::optional<Frames> frames) {
+  const FieldOptions options{.triangle = true, .winding = true, .confidence = true};
+  Progress progress;
+  RunResult result;
+  cpu::Backend backend;
+  backend.take({mesh, grid, options, progress, result.field}, 0, frames);
+  runPipeline(backend);
+  result.bytes = backend.bytes();
+  return result;
+}
+
+TEST(SurfaceTree, ChangesNoFieldByWhereItHasItsFrames) {
+  const Mesh ball = shapes::sphere(1.0, 5);
+  for (const Mesh& mesh : {ball, withHoles(ball, 5, 0.2, 1), withFlippedFaces(ball, 0.3, 1),
+                           withDoubledFaces(ball, 1.0, 2), shapes::soup(8000, 1)}) {
+    SCOPED_TRACE(testing::Message() << mesh.triangles.size() << " triangles");
+    for (const int resolution : {8, 40}) {
+      const Grid grid = fitGrid(mesh, {.resolution = resolution});
+      const RunResult made = run(mesh, grid, Frames::Made), stored = run(mesh, grid, Frames::Stored),
+                      chosen = run(mesh, grid, {});
+      for (const RunResult* other : {&stored, &chosen}) {
+        EXPECT_TRUE(sameBits(made.field.distance, other->field.distance));
+        EXPECT_TRUE(sameBits(made.field.triangle, other->field.triangle));
+        EXPECT_TRUE(sameBits(made.field.winding, other->field.winding));
+        EXPECT_TRUE(sameBits(made.field.confidence, other->field.confidence));
+      }
+      EXPECT_LT(made.bytes, stored.bytes);
+      EXPECT_EQ(chosen.bytes, resolution == 8 ? made.bytes : stored.bytes) << "few samples read few frames";
+    }
+  }
+}
+
+TEST(SurfaceTree, MakesTheFramesOfOneFaceOfEachGroup) {
+  const CellMeshOf mesh(withDoubledFaces(shapes::sphere(1.0, 4), 0.3, 1));
+  SurfaceTree made, stored;
+  made.buildSingleSided(mesh.cells, mesh.mesh.vertices, Frames::Made);
+  stored.buildSingleSided(mesh.cells, mesh.mesh.vertices);
+  EXPECT_LT(made.triangleCount(), mesh.mesh.triangles.size());
+  expectSameFrames(made, stored);
 }
 
 }  // namespace

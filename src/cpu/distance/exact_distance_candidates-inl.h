@@ -89,11 +89,8 @@ class Pruner {
       const uint32_t packet = tree_.childPacket(node), first = packet * kPacket;
       uint32_t halves[kPacket];
       if (tree_.isLeaf(node)) {
-        survivors(
-            [&](size_t i) {
-              return Triangle<Each>{tree_.triangles(packet), {i}};
-            },
-            lanes, reachLanes, level, halves);
+        const TrianglePacket& triangles = tree_.triangles(packet);
+        survivors([&](size_t i) { return Triangle<Each>{triangles, {i}}; }, lanes, reachLanes, level, halves);
         for (uint32_t t = 0; t < kPacket; ++t) offer(first + t, halves[t]);
       } else {
         survivors(

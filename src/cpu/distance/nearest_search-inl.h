@@ -13,6 +13,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -122,10 +124,8 @@ class NearestSearch {
   void search(const glm::vec3& p, Closest& closest) const { searchBelow(tree_.root(), p, closest); }
 
  private:
-  template <class Packet>
-  static HWY_INLINE void prefetch(const Packet& packet) {
-    for (size_t line = 0; line < sizeof(Packet); line += 64)
-      hwy::Prefetch(reinterpret_cast<const char*>(&packet) + line);
+  static HWY_INLINE void prefetch(std::span<const std::byte> memory) {
+    for (size_t line = 0; line < memory.size(); line += 64) hwy::Prefetch(memory.data() + line);
   }
 
   /// Returns where something with this lower bound may hold a triangle to be taken instead of the closest.
@@ -171,7 +171,7 @@ class NearestSearch {
 
   HWY_INLINE void push(uint32_t node, uint32_t lanes) {
     stack_.emplace_back(node, lanes);
-    if (tree_.isLeaf(node)) prefetch(tree_.triangles(node));
+    if (tree_.isLeaf(node)) prefetch(tree_.memoryOf(node));
   }
 
   HWY_INLINE void start(const Points& points) {
@@ -234,12 +234,13 @@ class NearestSearch {
 
   HWY_INLINE void measureTriangles(uint32_t packet, uint32_t lanes, const Points& points) {
     const Tag tag;
+    const TrianglePacket& triangles = tree_.triangles(packet);
     forEachLane(lanes, [&](size_t point) {
       const Float x = hn::Set(tag, points.x.v[point]), y = hn::Set(tag, points.y.v[point]),
                   z = hn::Set(tag, points.z.v[point]);
       for (size_t i = 0; i < kLanes; i += hn::Lanes(tag)) {
         Nearest nearest(i, best_.squared[point], best_.closest[point]);
-        const Float squared = squaredDistance(Triangle<Each>{tree_.triangles(packet), {i}}, x, y, z);
+        const Float squared = squaredDistance(Triangle<Each>{triangles, {i}}, x, y, z);
         if constexpr (kTies == Ties::Any)
           nearest.takeEach(packet * kPacket + i, squared);
         else
@@ -274,11 +275,12 @@ class NearestSearch {
 
   void measureLeaf(uint32_t packet, const glm::vec3& p, Closest& closest) const {
     const Tag tag;
+    const TrianglePacket& triangles = tree_.triangles(packet);
     Lanes squared;
     uint32_t closer = 0;
     for (size_t i = 0; i < kPacket; i += hn::Lanes(tag)) {
-      const Float d = squaredDistance(Triangle<Each>{tree_.triangles(packet), {i}}, hn::Set(tag, p.x),
-                                      hn::Set(tag, p.y), hn::Set(tag, p.z));
+      const Float d = squaredDistance(Triangle<Each>{triangles, {i}}, hn::Set(tag, p.x), hn::Set(tag, p.y),
+                                      hn::Set(tag, p.z));
       squared.store(i, d);
       closer |= bits(hn::Le(d, hn::Set(tag, closest.squared))) << i;
     }
@@ -303,9 +305,9 @@ class NearestSearch {
     forEachLane(open, [&](size_t lane) {
       const uint32_t child = first + static_cast<uint32_t>(lane);
       if (level == 0)
-        prefetch(tree_.triangles(child));
+        prefetch(tree_.memoryOf(child));
       else
-        prefetch(tree_.discs(child));
+        prefetch(std::as_bytes(std::span(&tree_.discs(child), 1)));
     });
     while (open) {
       size_t next = hwy::Num0BitsBelowLS1Bit_Nonzero32(open);

@@ -91,7 +91,7 @@ HWY_INLINE Double3 directionAcross(const Double3& x, const Double3& e) {
 
 /// Converts triangles to their own frames. The longest edge becomes ab, so that c lies over it and slivers
 /// keep a sound frame.
-HWY_INLINE void makeFrames(const CornerPacket& corners, TrianglePacket& out) {
+void makeFrames(const CornerPacket& corners, TrianglePacket& out) {
   const DoubleTag d;
   const auto zero = hn::Zero(d), one = hn::Set(d, 1.0);
   const auto inverse = [&](auto square) {
@@ -143,7 +143,7 @@ HWY_INLINE glm::vec3 sum(const Float3& v) {
   return {sum(v.x), sum(v.y), sum(v.z)};
 }
 
-HWY_INLINE void boundLeaf(const CornerPacket& corners, uint32_t lane, DiscPacket& discs) {
+void boundLeaf(const CornerPacket& corners, uint32_t lane, DiscPacket& discs) {
   const Tag d;
   const Float3 nothing{hn::Zero(d), hn::Zero(d), hn::Zero(d)};
   Float3 low = Float3::all(glm::vec3(INFINITY)), high = Float3::all(glm::vec3(-INFINITY)), normals = nothing;
@@ -176,11 +176,6 @@ HWY_INLINE void boundLeaf(const CornerPacket& corners, uint32_t lane, DiscPacket
   discs.halfThickness[lane] = 0.5f * (top - bottom);
 }
 
-void writeLeaf(const CornerPacket& corners, TrianglePacket& triangles, uint32_t lane, DiscPacket& discs) {
-  makeFrames(corners, triangles);
-  boundLeaf(corners, lane, discs);
-}
-
 }  // namespace
 }  // namespace raymap::cpu::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
@@ -188,10 +183,15 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace raymap::cpu {
 
-HWY_EXPORT(writeLeaf);
+HWY_EXPORT(makeFrames);
+HWY_EXPORT(boundLeaf);
 
-void writeLeaf(const CornerPacket& corners, TrianglePacket& triangles, uint32_t lane, DiscPacket& discs) {
-  HWY_DYNAMIC_DISPATCH(writeLeaf)(corners, triangles, lane, discs);
+void makeFrames(const CornerPacket& corners, TrianglePacket& triangles) {
+  HWY_DYNAMIC_DISPATCH(makeFrames)(corners, triangles);
+}
+
+void boundLeaf(const CornerPacket& corners, uint32_t lane, DiscPacket& discs) {
+  HWY_DYNAMIC_DISPATCH(boundLeaf)(corners, lane, discs);
 }
 
 }  // namespace raymap::cpu

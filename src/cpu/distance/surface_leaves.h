@@ -19,7 +19,10 @@ inline constexpr size_t kRun = size_t{kPacket} * kPacket * kPacket * kPacket;
 /// Sorts `count` <= kRun places so that each aligned power of two of them, from eight on, is compact.
 void sortRun(Place* places, size_t count);
 
-/// Writes a leaf's triangles in their own frames, and the disc around them to a lane of `discs`.
-void writeLeaf(const CornerPacket& corners, TrianglePacket& triangles, uint32_t lane, DiscPacket& discs);
+/// Writes a leaf's triangles in their own frames, but not their indices.
+void makeFrames(const CornerPacket& corners, TrianglePacket& triangles);
+
+/// Writes the disc around a leaf's triangles to a lane of `discs`.
+void boundLeaf(const CornerPacket& corners, uint32_t lane, DiscPacket& discs);
 
 }  // namespace raymap::cpu

@@ -5,8 +5,10 @@
 #include <hwy/contrib/sort/vqsort.h>
 
 #include <algorithm>
+#include <atomic>
 #include <bit>
 #include <cmath>
+#include <memory>
 
 #include "base/parallel.h"
 #include "cpu/distance/surface_leaves.h"
@@ -85,16 +87,35 @@ Disc readDisc(const DiscPacket& packet, uint32_t lane) {
 /// Disc that no point comes near. It fills the lanes of a packet that hold no node.
 const Disc kNowhere{glm::vec3(1e15f), {0, 0, 1}, 0.0f, 0.0f};
 
-/// Reads the corners of a leaf's triangles.
-void readCorners(const CellMesh& mesh, const uint64_t* keys, CornerPacket& corners) {
-  for (uint32_t lane = 0; lane < kPacket; ++lane) {
-    const glm::uvec3 triangle = mesh.triangles[static_cast<uint32_t>(keys[lane])];
-    for (int corner = 0; corner < 3; ++corner) {
-      const glm::vec3 v = mesh.vertices[triangle[corner]];
-      for (int axis = 0; axis < 3; ++axis) corners.v[corner][axis][lane] = v[axis];
+/// Returns the corners of a leaf's triangles. `cornerOf(lane, c)` returns one in cell units.
+template <class CornerOf>
+CornerPacket packCorners(CornerOf&& cornerOf) {
+  CornerPacket corners;
+  for (uint32_t lane = 0; lane < kPacket; ++lane)
+    for (int c = 0; c < 3; ++c) {
+      const glm::vec3 v = cornerOf(lane, c);
+      for (int axis = 0; axis < 3; ++axis) corners.v[c][axis][lane] = v[axis];
     }
-  }
+  return corners;
 }
+
+/// Reverses a triangle's normal, or sets it to 0 if the face is left out.
+void turnNormal(TrianglePacket& packet, uint32_t lane, uint8_t turn) {
+  if (turn == kAsGiven) return;
+  for (auto* normal : {packet.zx, packet.zy, packet.zz}) normal[lane] *= turn == kReversed ? -1.0f : 0.0f;
+}
+
+/// The frames that a thread made last, of any trees. Each leaf has one place.
+struct MadeFrames {
+  static constexpr uint32_t kPlaces = 1024;
+  struct Name {
+    uint64_t version;
+    uint32_t leaf;
+    bool operator==(const Name&) const = default;
+  };
+  Name names[kPlaces];
+  TrianglePacket triangles[kPlaces];
+};
 
 /// Sorts the keys of a run into the order of its leaves.
 void orderRun(const CellMesh& mesh, const PlaceLattice& lattice, uint64_t* keys, size_t count) {
@@ -132,19 +153,55 @@ Disc boundPoints(const glm::vec3* points, size_t count, const glm::vec3& normalS
 
 }  // namespace
 
-void SurfaceTree::build(const CellMesh& mesh) {
+void SurfaceTree::build(const CellMesh& mesh, Frames frames) {
+  start(mesh, frames);
   const PlaceLattice lattice(mesh);
   sortTriangles(mesh, lattice);
   buildNodes(mesh, lattice);
 }
 
-DoubleSidedFaces SurfaceTree::buildSingleSided(const CellMesh& mesh, std::span<const glm::vec3> positions) {
+DoubleSidedFaces SurfaceTree::buildSingleSided(const CellMesh& mesh, std::span<const glm::vec3> positions,
+                                               Frames frames) {
+  start(mesh, frames);
   const PlaceLattice lattice(mesh);
   const std::vector<uint64_t> candidates = sortTriangles(mesh, lattice);
   DoubleSidedFaces doubleSided = findDoubleSidedFaces({positions, mesh.triangles, {}}, candidates);
   if (!doubleSided.empty()) removeTriangles(doubleSided.others, mesh.triangles.size());
   buildNodes(mesh, lattice);
   return doubleSided;
+}
+
+void SurfaceTree::start(const CellMesh& mesh, Frames frames) {
+  frames_ = frames;
+  turns_.clear();
+  changeVersion();
+  if (frames == Frames::Stored) return;
+  given_ = {mesh.given.vertices, mesh.triangles, mesh.given.origin};
+  units_ = mesh.units;
+}
+
+void SurfaceTree::changeVersion() {
+  static std::atomic<uint64_t> last{0};
+  version_ = ++last;
+}
+
+const TrianglePacket& SurfaceTree::made(uint32_t leaf) const {
+  thread_local const auto kept = std::make_unique<MadeFrames>();
+  const uint32_t place = leaf % MadeFrames::kPlaces;
+  TrianglePacket& triangles = kept->triangles[place];
+  const MadeFrames::Name name{version_, leaf};
+  if (kept->names[place] == name) return triangles;
+  kept->names[place] = name;
+  const uint32_t* ids = &ids_[size_t{leaf} * kPacket];
+  makeFrames(packCorners([&](uint32_t lane, int c) {
+               return units_(given_.vertices[given_.triangles[ids[lane]][c]]);
+             }),
+             triangles);
+  for (uint32_t lane = 0; lane < kPacket; ++lane) {
+    triangles.id[lane] = ids[lane];
+    if (!turns_.empty()) turnNormal(triangles, lane, turns_[ids[lane]]);
+  }
+  return triangles;
 }
 
 void SurfaceTree::removeTriangles(std::span<const uint32_t> triangles, size_t meshTriangles) {
@@ -170,28 +227,31 @@ void SurfaceTree::placeLevels() {
     start += packets(nodes) * kPacket;
     if (nodes == 1) break;
   }
-  triangles_.resizeUninitialized(leafCount());
+  const bool areStored = frames_ == Frames::Stored;
+  triangles_.resizeUninitialized(areStored ? leafCount() : 0);
+  ids_.resizeUninitialized(areStored ? 0 : size_t{leafCount()} * kPacket);
   discs_.resizeUninitialized(start / kPacket);
 }
 
-size_t SurfaceTree::bytesNeeded(size_t triangles) {
+size_t SurfaceTree::bytesNeeded(size_t triangles, Frames frames) {
   const auto packets = [](size_t n) { return (n + kPacket - 1) / kPacket; };
   const size_t leaves = packets(triangles);
   size_t discs = 1;  // The root's.
   for (size_t nodes = leaves; nodes > 1; nodes = packets(nodes)) discs += packets(nodes);
-  return leaves * (sizeof(TrianglePacket) + kPacket * sizeof(uint64_t)) + discs * sizeof(DiscPacket);
+  const size_t ofLeaf = frames == Frames::Stored ? sizeof(TrianglePacket) : kPacket * sizeof(uint32_t);
+  return leaves * (ofLeaf + kPacket * sizeof(uint64_t)) + discs * sizeof(DiscPacket);
 }
 
 void SurfaceTree::turn(std::span<const uint8_t> turns) {
   if (turns.empty()) return;
+  if (frames_ == Frames::Made) {
+    turns_.assign(turns.begin(), turns.end());
+    changeVersion();
+    return;
+  }
   parallelFor(triangleCount_, size_t{1} << 14, [&](size_t begin, size_t end) {
-    for (size_t t = begin; t < end; ++t) {
-      const uint8_t turn = turns[triangleId(uint32_t(t))];
-      if (turn == kAsGiven) continue;
-      TrianglePacket& packet = triangles_[t / kPacket];
-      for (auto* normal : {packet.zx, packet.zy, packet.zz})
-        normal[t % kPacket] *= turn == kReversed ? -1.0f : 0.0f;
-    }
+    for (size_t t = begin; t < end; ++t)
+      turnNormal(triangles_[t / kPacket], uint32_t(t % kPacket), turns[triangleId(uint32_t(t))]);
   });
 }
 
@@ -243,20 +303,24 @@ void SurfaceTree::buildLeaves(const CellMesh& mesh, const PlaceLattice& lattice)
       uint64_t* keys = keys_.data() + run * kRun;
       orderRun(mesh, lattice, keys, std::min(kRun, count - run * kRun));
       for (auto leaf = static_cast<uint32_t>(run * kRunLeaves); leaf < (run + 1) * kRunLeaves; ++leaf) {
-        DiscPacket& discs = discs_[leaf / kPacket];
-        if (leaf < leafCount()) {
-          const uint64_t* ofLeaf = keys_.data() + size_t{leaf} * kPacket;
-          CornerPacket corners;
-          readCorners(mesh, ofLeaf, corners);
-          writeLeaf(corners, triangles_[leaf], leaf % kPacket, discs);
-          for (uint32_t lane = 0; lane < kPacket; ++lane)
-            triangles_[leaf].id[lane] = static_cast<uint32_t>(ofLeaf[lane]);
-        } else if (leaf / kPacket * kPacket < leafCount()) {
-          writeDisc(kNowhere, discs, leaf % kPacket);
-        }
+        if (leaf < leafCount())
+          buildLeaf(mesh, leaf);
+        else if (leaf / kPacket * kPacket < leafCount())
+          writeDisc(kNowhere, discs_[leaf / kPacket], leaf % kPacket);
       }
     }
   });
+}
+
+void SurfaceTree::buildLeaf(const CellMesh& mesh, uint32_t leaf) {
+  const uint64_t* keys = keys_.data() + size_t{leaf} * kPacket;
+  const CornerPacket corners =
+      packCorners([&](uint32_t lane, int c) { return mesh.corner(static_cast<uint32_t>(keys[lane]), c); });
+  boundLeaf(corners, leaf % kPacket, discs_[leaf / kPacket]);
+  const bool areStored = frames_ == Frames::Stored;
+  if (areStored) makeFrames(corners, triangles_[leaf]);
+  uint32_t* ids = areStored ? triangles_[leaf].id : &ids_[size_t{leaf} * kPacket];
+  for (uint32_t lane = 0; lane < kPacket; ++lane) ids[lane] = static_cast<uint32_t>(keys[lane]);
 }
 
 namespace {
@@ -315,7 +379,8 @@ uint32_t SurfaceTree::levelOf(uint32_t node) const {
 }
 
 size_t SurfaceTree::bytes() const {
-  return keys_.capacityBytes() + triangles_.capacityBytes() + discs_.capacityBytes();
+  return keys_.capacityBytes() + triangles_.capacityBytes() + ids_.capacityBytes() + turns_.capacity() +
+         discs_.capacityBytes();
 }
 
 }  // namespace raymap::cpu

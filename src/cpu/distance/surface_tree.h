@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <span>
 #include <vector>
 
@@ -33,6 +34,12 @@ struct alignas(64) DiscPacket {
 
 class PlaceLattice;
 
+/// Where a tree has the frames of its triangles. Both have the same bits.
+enum class Frames {
+  Stored,  ///< In memory: 72 bytes per triangle.
+  Made     ///< Made of the mesh that was given when a leaf is read. Its arrays must outlive the tree.
+};
+
 /// Tree over the triangles in the order of a space-filling curve, eight to a leaf. A node is a disc around a
 /// leaf or around eight nodes of the level below. There are no pointers: the position of a node's children
 /// follows from its index.
@@ -43,19 +50,30 @@ class SurfaceTree {
     uint32_t start, count;
   };
 
-  void build(const CellMesh& mesh);
+  void build(const CellMesh& mesh, Frames frames = Frames::Stored);
   /// Builds the tree of one face, the first, of each group of double-sided faces and of all other faces.
   /// `positions` are those of the mesh as given. Returns the groups.
-  DoubleSidedFaces buildSingleSided(const CellMesh& mesh, std::span<const glm::vec3> positions);
+  DoubleSidedFaces buildSingleSided(const CellMesh& mesh, std::span<const glm::vec3> positions,
+                                    Frames frames = Frames::Stored);
   /// Reverses the normals of the mesh's faces, or sets them to 0 where faces are left out (`Turns`).
   /// Distances of the tree are wrong afterwards if any is. An empty span changes none.
   void turn(std::span<const uint8_t> turns);
 
   const DiscPacket& discs(uint32_t packet) const { return discs_[packet]; }
-  const TrianglePacket& triangles(uint32_t packet) const { return triangles_[packet]; }
+  /// Returns the triangles of a leaf. If they are made, they stay until the thread reads another leaf.
+  const TrianglePacket& triangles(uint32_t packet) const {
+    return frames_ == Frames::Stored ? triangles_[packet] : made(packet);
+  }
+  /// Returns the memory that `triangles` will read first.
+  std::span<const std::byte> memoryOf(uint32_t packet) const {
+    if (frames_ == Frames::Stored) return std::as_bytes(std::span(&triangles_[packet], 1));
+    return std::as_bytes(std::span(&ids_[packet * kPacket], kPacket));
+  }
   float radius(uint32_t node) const { return discs_[node / kPacket].radius[node % kPacket]; }
   /// Returns the index in the mesh of the tree's triangle `t`; each leaf has eight.
-  uint32_t triangleId(uint32_t t) const { return triangles_[t / kPacket].id[t % kPacket]; }
+  uint32_t triangleId(uint32_t t) const {
+    return frames_ == Frames::Stored ? triangles_[t / kPacket].id[t % kPacket] : ids_[t];
+  }
 
   uint32_t triangleCount() const { return triangleCount_; }
   std::span<const Level> levels() const { return levels_; }
@@ -76,18 +94,30 @@ class SurfaceTree {
   void releaseScratch() { keys_.release(); }
   size_t bytes() const;
   /// Returns the bytes that the build of a tree over so many triangles takes.
-  static size_t bytesNeeded(size_t triangles);
+  static size_t bytesNeeded(size_t triangles, Frames frames = Frames::Stored);
 
  private:
   std::vector<uint64_t> sortTriangles(const CellMesh& mesh, const PlaceLattice& lattice);
   void removeTriangles(std::span<const uint32_t> triangles, size_t meshTriangles);
+  const TrianglePacket& made(uint32_t leaf) const;
+  void start(const CellMesh& mesh, Frames frames);
+  void changeVersion();
   void buildNodes(const CellMesh& mesh, const PlaceLattice& lattice);
   void placeLevels();
   void buildLeaves(const CellMesh& mesh, const PlaceLattice& lattice);
+  void buildLeaf(const CellMesh& mesh, uint32_t leaf);
   void buildLevel(uint32_t level);
 
   Buffer<uint64_t> keys_;  // Of a build: the triangle in the lower half; numbers to sort by above it.
-  Buffer<TrianglePacket> triangles_;
+  Frames frames_ = Frames::Stored;
+  Buffer<TrianglePacket> triangles_;  // By leaf, if they are stored.
+  // What they are made of, if they are not.
+  PackedMesh given_;
+  CellUnits units_;
+  Buffer<uint32_t> ids_;        // Index in the mesh of each of the tree's triangles.
+  std::vector<uint8_t> turns_;  // Empty: all as given.
+  uint64_t version_ = 0;        // No two trees have the same, nor one tree before and after a change.
+
   Buffer<DiscPacket> discs_;
   std::vector<Level> levels_;
   uint32_t triangleCount_ = 0;

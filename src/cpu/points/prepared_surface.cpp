@@ -26,6 +26,10 @@ constexpr double kLatticeBand = 3.0;
 /// With more rims, even a close look at the dipoles is faster.
 constexpr size_t kMostRims = 16384;
 
+Frames framesOf(const SurfaceOptions& options) {
+  return options.compact ? Frames::Made : Frames::Stored;
+}
+
 WindingLattice makeLattice(const Grid& grid, double threshold, Field& samples) {
   WindingLattice lattice;
   lattice.grid = grid;
@@ -54,7 +58,7 @@ void turnFaces(PreparedSurface& surface) {
   surface.turnedTriangles = turnedTriangles(given, turns);
   CellMesh cells;
   toCellUnits(surface.turnedMesh(), surface.grid, cells);
-  surface.turnedTree.emplace().build(cells);
+  surface.turnedTree.emplace().build(cells, surface.frames);
   surface.turnedTree->releaseScratch();
 }
 
@@ -87,11 +91,13 @@ PreparedSurface prepareSigned(const PackedMesh& mesh, const Grid& grid, const Su
   field.band = kLatticeBand;
   Backend backend;
   Field samples;
-  stats = runOnCpu(backend, {mesh, grid, field, progress, samples, machine}, meshBytes);
+  const Frames frames = framesOf(options);
+  stats = runOnCpu(backend, {mesh, grid, field, progress, samples, machine}, meshBytes, frames);
   PreparedSurface surface;
   progress.stage("tree", [&] {
     surface.mesh = mesh;
     surface.grid = grid;
+    surface.frames = frames;
     surface.isSigned = true;
     surface.threshold = options.threshold;
     surface.lattice = makeLattice(grid, options.threshold, samples);
@@ -122,13 +128,14 @@ size_t PreparedSurface::bytes() const {
          lattice.isNearRim.capacityBytes();
 }
 
-PreparedSurface prepareUnsigned(const PackedMesh& mesh, const Grid& grid) {
+PreparedSurface prepareUnsigned(const PackedMesh& mesh, const Grid& grid, Frames frames) {
   PreparedSurface surface;
   surface.mesh = mesh;
   surface.grid = grid;
   CellMesh cells;
   toCellUnits(mesh, grid, cells);
-  surface.tree.buildSingleSided(cells, mesh.vertices);
+  surface.frames = frames;
+  surface.tree.buildSingleSided(cells, mesh.vertices, frames);
   surface.tree.releaseScratch();
   return surface;
 }
@@ -142,7 +149,7 @@ PreparedSurface prepareSurface(const PackedMesh& mesh, const SurfaceOptions& opt
   if (options.sign != SignMode::None) {
     surface = prepareSigned(mesh, grid, options, machine, meshBytes, progress, stats);
   } else {
-    progress.stage("tree", [&] { surface = prepareUnsigned(mesh, grid); });
+    progress.stage("tree", [&] { surface = prepareUnsigned(mesh, grid, framesOf(options)); });
     stats.device = "cpu";
   }
   surface.bounds = box;

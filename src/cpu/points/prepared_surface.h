@@ -17,9 +17,10 @@ namespace raymap::cpu {
 /// A mesh prepared for queries, which change nothing in it. Refers to the mesh's arrays.
 struct PreparedSurface {
   PackedMesh mesh;
-  Box bounds;        ///< Those of the mesh.
-  Grid grid;         ///< Grid in whose cells the trees are.
-  SurfaceTree tree;  ///< Faces as given; only one of each pair of double-sided ones.
+  Box bounds;                      ///< Those of the mesh.
+  Grid grid;                       ///< Grid in whose cells the trees are.
+  SurfaceTree tree;                ///< Faces as given; only one of each pair of double-sided ones.
+  Frames frames = Frames::Stored;  ///< Where both trees have theirs.
   bool isSigned = false;
 
   // Filled if `isSigned`.
@@ -41,7 +42,7 @@ struct PreparedSurface {
 };
 
 /// Prepares a mesh for distances alone. The tree is in cells of the grid, which need not hold the mesh.
-PreparedSurface prepareUnsigned(const PackedMesh& mesh, const Grid& grid);
+PreparedSurface prepareUnsigned(const PackedMesh& mesh, const Grid& grid, Frames frames = Frames::Stored);
 
 /// Prepares a mesh for distances, with a sign if the options ask for one. The caller's copy of the mesh holds
 /// `meshBytes` bytes. Fills `stats` but for the total time.

@@ -142,8 +142,9 @@ class SolidAngles {
  private:
   void addLeaf(uint32_t leaf, const glm::vec3& p) {
     const uint32_t count = tree_.triangleCount() - leaf * kPacket;
+    const TrianglePacket& triangles = tree_.triangles(leaf);
     for (size_t i = 0; i < kPacket; i += hn::Lanes(Tag())) {
-      const Float angle = halfSolidAngle({tree_.triangles(leaf), {i}}, p);
+      const Float angle = halfSolidAngle({triangles, {i}}, p);
       sum_ = hn::Add(sum_, hn::IfThenElseZero(below(i, count), angle));
     }
   }
