@@ -12,7 +12,6 @@
 #include <utility>
 #include <vector>
 
-#include "any_threads.h"
 #include "broken_meshes.h"
 #include "cells.h"
 #include "cpu/backend.h"
@@ -295,10 +294,10 @@ TEST(SurfaceTree, ChangesNoFieldByWhereItHasItsFrames) {
       const RunResult made = run(mesh, grid, Frames::Made), stored = run(mesh, grid, Frames::Stored),
                       chosen = run(mesh, grid, {});
       for (const RunResult* other : {&stored, &chosen}) {
-        EXPECT_TRUE(sameBits(made.field.distance, other->field.distance));
-        EXPECT_TRUE(sameBits(made.field.triangle, other->field.triangle));
-        EXPECT_TRUE(sameBits(made.field.winding, other->field.winding));
-        EXPECT_TRUE(sameBits(made.field.confidence, other->field.confidence));
+        EXPECT_TRUE(std::ranges::equal(made.field.distance, other->field.distance));
+        EXPECT_TRUE(std::ranges::equal(made.field.triangle, other->field.triangle));
+        EXPECT_TRUE(std::ranges::equal(made.field.winding, other->field.winding));
+        EXPECT_TRUE(std::ranges::equal(made.field.confidence, other->field.confidence));
       }
       EXPECT_LT(made.bytes, stored.bytes);
       EXPECT_EQ(chosen.bytes, resolution == 8 ? made.bytes : stored.bytes) << "few samples read few frames";
