@@ -21,7 +21,7 @@ struct SurfaceOptions {
   Orientation orientation = Orientation::Auto;  ///< Whether faces that point the wrong way may be reversed.
   double threshold = 0.5;                       ///< A point is inside if |winding number| exceeds this.
   /// Whether to take 68 bytes per triangle less. The results are the same. Scattered points then take up to a
-  /// third more time, and narrow bands hardly more.
+  /// third more time, and narrow bands up to a tenth.
   bool compact = false;
 };
 

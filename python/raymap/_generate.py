@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 from collections.abc import Callable, Iterable
 from functools import partial
@@ -220,7 +221,8 @@ def _generate_sparse(mesh: Mesh, options: FieldOptions) -> SparseField:
     band_options = sparse_options(options, core_options)
     surface_options = _raymap.SurfaceOptions()
     surface_options.sign, surface_options.threshold = core_options.sign != "none", core_options.threshold
-    surface_options.compact = True
+    # As the command line: with more samples per face, the band takes most of the memory.
+    surface_options.compact = math.prod(grid.dims) // 1000 < len(mesh.faces)
     machine = to_machine("cpu", options.get("threads"), options.get("memory_limit"))
     with reporting(options.get("progress")) as report:
         surface = _raymap.Surface(core, surface_options, core_options.orientation, machine, report)
