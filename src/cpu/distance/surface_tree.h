@@ -34,7 +34,7 @@ struct alignas(64) DiscPacket {
 
 class PlaceLattice;
 
-/// Where a tree has the frames of its triangles. Both have the same bits.
+/// Whether a tree stores the frames of its triangles. Made frames equal stored ones to the last bit.
 enum class Frames {
   Stored,  ///< In memory: 72 bytes per triangle.
   Made     ///< Made of the mesh that was given when a leaf is read. Its arrays must outlive the tree.
@@ -111,7 +111,7 @@ class SurfaceTree {
   Buffer<uint64_t> keys_;  // Of a build: the triangle in the lower half; numbers to sort by above it.
   Frames frames_ = Frames::Stored;
   Buffer<TrianglePacket> triangles_;  // By leaf, if they are stored.
-  // What they are made of, if they are not.
+  // If frames are made: the mesh, its conversion, and the triangles and turns of the leaves.
   PackedMesh given_;
   CellUnits units_;
   Buffer<uint32_t> ids_;        // Index in the mesh of each of the tree's triangles.
