@@ -75,6 +75,7 @@ class SurfaceTree {
     return frames_ == Frames::Stored ? triangles_[t / kPacket].id[t % kPacket] : ids_[t];
   }
 
+  Frames frames() const { return frames_; }
   uint32_t triangleCount() const { return triangleCount_; }
   std::span<const Level> levels() const { return levels_; }
   uint32_t leafCount() const { return levels_[0].count; }

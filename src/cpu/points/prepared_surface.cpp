@@ -58,7 +58,7 @@ void turnFaces(PreparedSurface& surface) {
   surface.turnedTriangles = turnedTriangles(given, turns);
   CellMesh cells;
   toCellUnits(surface.turnedMesh(), surface.grid, cells);
-  surface.turnedTree.emplace().build(cells, surface.frames);
+  surface.turnedTree.emplace().build(cells, surface.tree.frames());
   surface.turnedTree->releaseScratch();
 }
 
@@ -91,13 +91,11 @@ PreparedSurface prepareSigned(const PackedMesh& mesh, const Grid& grid, const Su
   field.band = kLatticeBand;
   Backend backend;
   Field samples;
-  const Frames frames = framesOf(options);
-  stats = runOnCpu(backend, {mesh, grid, field, progress, samples, machine}, meshBytes, frames);
+  stats = runOnCpu(backend, {mesh, grid, field, progress, samples, machine}, meshBytes, framesOf(options));
   PreparedSurface surface;
   progress.stage("tree", [&] {
     surface.mesh = mesh;
     surface.grid = grid;
-    surface.frames = frames;
     surface.isSigned = true;
     surface.threshold = options.threshold;
     surface.lattice = makeLattice(grid, options.threshold, samples);
@@ -134,7 +132,6 @@ PreparedSurface prepareUnsigned(const PackedMesh& mesh, const Grid& grid, Frames
   surface.grid = grid;
   CellMesh cells;
   toCellUnits(mesh, grid, cells);
-  surface.frames = frames;
   surface.tree.buildSingleSided(cells, mesh.vertices, frames);
   surface.tree.releaseScratch();
   return surface;

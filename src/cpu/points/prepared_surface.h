@@ -17,10 +17,9 @@ namespace raymap::cpu {
 /// A mesh prepared for queries, which change nothing in it. Refers to the mesh's arrays.
 struct PreparedSurface {
   PackedMesh mesh;
-  Box bounds;                      ///< Those of the mesh.
-  Grid grid;                       ///< Grid in whose cells the trees are.
-  SurfaceTree tree;                ///< Faces as given; only one of each pair of double-sided ones.
-  Frames frames = Frames::Stored;  ///< Where both trees have theirs.
+  Box bounds;        ///< Those of the mesh.
+  Grid grid;         ///< Grid in whose cells the trees are.
+  SurfaceTree tree;  ///< Faces as given; only one of each pair of double-sided ones.
   bool isSigned = false;
 
   // Filled if `isSigned`.
