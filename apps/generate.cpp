@@ -265,12 +265,10 @@ bool isReported(const GenerateArguments& arguments) {
 
 /// Makes and writes a field near the surface alone. Takes the mesh if no report needs it.
 void makeBand(const GenerateArguments& arguments, Mesh& mesh, Report& report, const MachineOptions& machine) {
-  // With more samples per triangle the band takes most of the memory, and a compact surface more time.
-  constexpr size_t kMany = 1000;
   const FieldOptions& options = arguments.options;
   const SurfaceOptions asked{.orientation = options.orientation,
                              .threshold = options.threshold,
-                             .compact = report.grid.sampleCount() / kMany < mesh.triangles.size()};
+                             .compact = isCompactBetter(report.grid, mesh.triangles.size())};
   const Surface surface = isReported(arguments) ? Surface(MeshView(mesh), asked, machine)
                                                 : Surface(std::move(mesh), asked, machine);
   report.stats = surface.stats();

@@ -33,7 +33,8 @@ void runRaymapWinding(const Case& input, Buffer<float>& values) {
 
 void runRaymapBand(Case& input, Buffer<float>& values) {
   const MachineOptions machine{.threads = input.threads};
-  const Surface surface(std::move(input.mesh), {.compact = true}, machine);
+  const bool compact = isCompactBetter(input.grid, input.mesh.triangles.size());
+  const Surface surface(std::move(input.mesh), {.compact = compact}, machine);
   values = surface.generateBand(input.grid, {.outside = input.band, .inside = input.band}, machine).distance;
 }
 

@@ -24,8 +24,12 @@ if(RAYMAP_SANITIZE)
     # As in any other build, only what asks for it is fused.
     add_compile_options(-march=x86-64-v3 -maes -mpclmul -ffp-contract=off)
   endif()
+  # GCC has macros for these, clang has not.
   if(RAYMAP_SANITIZE MATCHES thread)
-    add_compile_definitions(RAYMAP_THREAD_SANITIZER) # GCC has a macro for this, clang has not.
+    add_compile_definitions(RAYMAP_THREAD_SANITIZER)
+  endif()
+  if(RAYMAP_SANITIZE MATCHES address)
+    add_compile_definitions(RAYMAP_ADDRESS_SANITIZER)
   endif()
   add_compile_options(-fsanitize=${RAYMAP_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)
   add_link_options(-fsanitize=${RAYMAP_SANITIZE})

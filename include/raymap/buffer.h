@@ -13,8 +13,8 @@ namespace raymap {
 /// Allocates `bytes` bytes, aligned for SIMD and on huge pages where the system grants them. Throws
 /// `Error(Memory)`.
 RAYMAP_API void* allocatePages(size_t bytes);
-/// Frees memory from `allocatePages`; null is allowed.
-RAYMAP_API void freePages(void* memory);
+/// Frees the memory that `allocatePages` returned for `bytes` bytes; null is allowed.
+RAYMAP_API void freePages(void* memory, size_t bytes);
 
 /// A plain array with uninitialised elements. It keeps its memory when it shrinks, so that a field made every
 /// frame allocates nothing. It moves, and copies only by `clone`.
@@ -30,12 +30,12 @@ class Buffer {
     swap(other);
     return *this;
   }
-  ~Buffer() { freePages(data_); }
+  ~Buffer() { freePages(data_, capacityBytes()); }
 
   /// Sets the size. All contents are undefined afterwards if the capacity had to grow.
   void resizeUninitialized(size_t size) {
     if (size > capacity_) {
-      freePages(data_);
+      freePages(data_, capacityBytes());
       data_ = nullptr;
       size_ = capacity_ = 0;
       data_ = static_cast<T*>(allocatePages(size * sizeof(T)));

@@ -100,4 +100,9 @@ class RAYMAP_API Surface {
   std::unique_ptr<Impl> impl_;
 };
 
+/// Returns whether a compact surface is the better one to make a band on this grid of a mesh with so many
+/// triangles (`SurfaceOptions::compact`). With more samples per triangle, the band takes most of the memory
+/// anyway.
+RAYMAP_API bool isCompactBetter(const Grid& grid, size_t triangles);
+
 }  // namespace raymap

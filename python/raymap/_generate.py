@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import os
 from collections.abc import Callable, Iterable
 from functools import partial
@@ -221,8 +220,7 @@ def _generate_sparse(mesh: Mesh, options: FieldOptions) -> SparseField:
     band_options = sparse_options(options, core_options)
     surface_options = _raymap.SurfaceOptions()
     surface_options.sign, surface_options.threshold = core_options.sign != "none", core_options.threshold
-    # As the command line: with more samples per face, the band takes most of the memory.
-    surface_options.compact = math.prod(grid.dims) // 1000 < len(mesh.faces)
+    surface_options.compact = _raymap.is_compact_better(grid, len(mesh.faces))
     machine = to_machine("cpu", options.get("threads"), options.get("memory_limit"))
     with reporting(options.get("progress")) as report:
         surface = _raymap.Surface(core, surface_options, core_options.orientation, machine, report)

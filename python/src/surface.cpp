@@ -107,6 +107,7 @@ void bindOptions(nb::module_& module) {
           [](SurfaceOptions& self, bool sign) { self.sign = sign ? SignMode::Harmonic : SignMode::None; })
       .def_rw("threshold", &SurfaceOptions::threshold)
       .def_rw("compact", &SurfaceOptions::compact);
+  module.def("is_compact_better", &isCompactBetter, "grid"_a, "triangles"_a);
   nb::class_<QueryOptions>(module, "QueryOptions")
       .def(nb::init<>())
       .def_rw("distance", &QueryOptions::distance)

@@ -254,4 +254,9 @@ const Stats& Surface::stats() const {
   return impl_->stats;
 }
 
+bool isCompactBetter(const Grid& grid, size_t triangles) {
+  constexpr size_t kManySamples = 1000;  // Per triangle (docs/decisions/narrow_bands.md).
+  return grid.sampleCount() / kManySamples < triangles;
+}
+
 }  // namespace raymap

@@ -602,6 +602,13 @@ TEST(Surface, GivesTheSameIfItIsCompact) {
     }
 }
 
+TEST(Surface, IsBestCompactWithFewSamplesPerTriangle) {
+  const Grid grid{.dims = {10, 20, 100}};
+  EXPECT_FALSE(isCompactBetter(grid, 19));
+  EXPECT_FALSE(isCompactBetter(grid, 20));
+  EXPECT_TRUE(isCompactBetter(grid, 21));
+}
+
 TEST(Surface, MeasuresTheSameThicknessIfItIsCompact) {
   const Mesh mesh = shapes::torus(1.0, 0.3, 40, 20);
   std::vector<FacePoint> points;

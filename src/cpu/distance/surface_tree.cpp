@@ -216,6 +216,7 @@ void SurfaceTree::buildNodes(const CellMesh& mesh, const PlaceLattice& lattice) 
   placeLevels();
   buildLeaves(mesh, lattice);
   for (uint32_t level = 1; level < levels_.size(); ++level) buildLevel(level);
+  if (frames_ == Frames::Made) releaseScratch();
 }
 
 void SurfaceTree::placeLevels() {
