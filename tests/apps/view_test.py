@@ -23,7 +23,8 @@ from moving_tube import bend, tumble
 from x11_events import Display
 
 RAYMAP = str(pathlib.Path(sys.argv.pop(1)).resolve()) if len(sys.argv) > 1 else None
-WIDTH, HEIGHT = 520, 300
+SMALL = (260, 150)  # A device in software takes its time for every pixel.
+BESIDE_PANEL = (520, 300)  # The mouse reaches the picture beside the panel.
 LONG = 240  # Seconds after which a test gives up; nothing is measured.
 
 
@@ -87,7 +88,7 @@ def vector_of(command, option):
 class Window:
     """A running `raymap view`, in a folder of its own."""
 
-    def __init__(self, display, folder, *arguments, environment=None, size=(WIDTH, HEIGHT)):
+    def __init__(self, display, folder, *arguments, environment=None, size=SMALL):
         self.folder = folder
         self.display = Display(display)
         self.environment = {**os.environ, "DISPLAY": display, "RAYMAP_CACHE": "off",
@@ -174,17 +175,21 @@ class ViewTest(unittest.TestCase):
         os.close(its)
         with open(ours) as number:
             cls.display = ":" + number.readline().strip()
+        cls.meshes = tempfile.TemporaryDirectory()
+        for name, holes in ("globe.ply", []), ("holes.ply", ["--holes"]):
+            subprocess.run([RAYMAP, "example", "-q", "-o", pathlib.Path(cls.meshes.name, name), *holes], check=True)
 
     @classmethod
     def tearDownClass(cls):
         cls.server.kill()
         cls.server.wait()
+        cls.meshes.cleanup()
 
     def setUp(self):
         self.scratch = tempfile.TemporaryDirectory()
         self.folder = pathlib.Path(self.scratch.name)
         self.mesh = self.folder / "globe.ply"
-        subprocess.run([RAYMAP, "example", "-q", "-o", self.mesh], check=True)
+        self.example("globe.ply")
         self.window = None
 
     def tearDown(self):
@@ -192,6 +197,11 @@ class ViewTest(unittest.TestCase):
             self.window.process.kill()
             self.window.process.wait()
         self.scratch.cleanup()
+
+    def example(self, name):
+        """Replaces the mesh by globe.ply or holes.ply, at once as a program that saves it."""
+        copy = shutil.copyfile(pathlib.Path(self.meshes.name, name), self.folder / "copy.ply")
+        copy.replace(self.mesh)
 
     def recorder(self):
         """Returns the environment for a stand-in of ffmpeg, which keeps the pixels as they are. One can look at them in
@@ -225,7 +235,7 @@ class ViewTest(unittest.TestCase):
         self.assertLess(far, 0.002)
 
     def test_shows_what_render_draws(self):
-        window = self.open(self.mesh, "--resolution", "48")
+        window = self.open(self.mesh, "--resolution", "48", size=BESIDE_PANEL)
         first, command = window.picture()
         self.check_as_render(first, command)
         seen = [first]
@@ -247,7 +257,7 @@ class ViewTest(unittest.TestCase):
         self.close()
 
     def test_copies_a_view_and_takes_it_back(self):
-        window = self.open(self.mesh, "--resolution", "32")
+        window = self.open(self.mesh, "--resolution", "32", size=BESIDE_PANEL)
         window.keys("x")
         first = window.picture()[0]
         with window.held():  # All comes in one frame, and is taken in its order.
@@ -289,7 +299,7 @@ class ViewTest(unittest.TestCase):
         band = self.folder / "band.vdb"  # All samples would take 32 GB.
         subprocess.run([RAYMAP, "generate", self.cube("a.obj"), "-o", band, "--voxel-size", "0.01", "--bounds",
                         "-10,-10,-10,10,10,10", "--band", "3", "-q"], check=True)
-        window = self.open(band, "--direction", "-1,0.5,-0.7")
+        window = self.open(band, "--direction", "-1,0.5,-0.7", size=BESIDE_PANEL)
         picture, command = window.picture()
         self.check_as_render(picture, command)
         window.keys("x")
@@ -314,12 +324,12 @@ class ViewTest(unittest.TestCase):
                                    "--device", device)
                 difference, command = window.picture()  # The higher one is less far away: blue.
                 self.assertEqual(shlex.split(command)[2:4], [str(low), str(second)])
-                self.assertGreater((difference[..., 2] > difference[..., 0].astype(int) + 60).sum(), 500)
+                self.assertGreater((difference[..., 2] > difference[..., 0].astype(int) + 60).sum(), 125)
                 self.check_as_render(difference, command)
                 window.keys("b")
                 other, command = window.picture()
                 self.assertEqual(shlex.split(command)[2:4], [str(second), str(low)])
-                self.assertGreater((other[..., 0] > other[..., 2].astype(int) + 60).sum(), 500)
+                self.assertGreater((other[..., 0] > other[..., 2].astype(int) + 60).sum(), 125)
                 self.check_as_render(other, command)
                 window.keys("v")
                 distances, command = window.picture()
@@ -375,18 +385,18 @@ class ViewTest(unittest.TestCase):
         return json.loads(done.stdout)
 
     def test_shows_defects_and_goes_to_each(self):
-        subprocess.run([RAYMAP, "example", "-q", "-o", self.mesh, "--holes"], check=True)
+        self.example("holes.ply")
         holes = self.info(self.mesh)["holes"]
         self.assertGreater(len(holes), 1)
         window = self.open(self.mesh, "--resolution", "40")
         self.assertEqual(count_near(window.picture()[0], (214, 30, 40)), 0)
         window.keys("d")
-        self.assertGreater(count_near(window.picture()[0], (214, 30, 40)), 50)
+        self.assertGreater(count_near(window.picture()[0], (214, 30, 40)), 20)
         commands = []
         for key in ("n", "n", "ctrl+n"):
             window.keys(key)
             picture, command = window.picture()
-            self.assertGreater(count_near(picture, (214, 30, 40)), 50)
+            self.assertGreater(count_near(picture, (214, 30, 40)), 20)
             commands.append(command)
         self.assertEqual(commands[0], commands[2])
         for hole, command in zip(holes, commands[:2]):  # The camera looks at its middle, and the window shows all of it.
@@ -398,7 +408,7 @@ class ViewTest(unittest.TestCase):
             self.assertGreater(shown, hole["diameter"])
             self.assertLess(shown, 9 * hole["diameter"])
         # A file without holes has none in colour.
-        subprocess.run([RAYMAP, "example", "-q", "-o", self.mesh], check=True)
+        self.example("globe.ply")
         window.until(lambda: count_near(window.picture()[0], (214, 30, 40)) == 0)
         window.keys("n")
         window.picture()
@@ -417,8 +427,8 @@ class ViewTest(unittest.TestCase):
                 window.keys("w", "w", "d")
                 picture = window.picture()[0].astype(int)
                 red, green, blue = picture[..., 0], picture[..., 1], picture[..., 2]
-                self.assertGreater(((blue > 2 * red) & (blue > 90)).sum(), 500)  # Flipped.
-                self.assertGreater(((red > 4 * blue) & (red > 100) & (green > 1.3 * blue)).sum(), 500)  # Crossed.
+                self.assertGreater(((blue > 2 * red) & (blue > 90)).sum(), 125)  # Flipped.
+                self.assertGreater(((red > 4 * blue) & (red > 100) & (green > 1.3 * blue)).sum(), 125)  # Crossed.
                 window.keys("d")
                 picture = window.picture()[0].astype(int)
                 self.assertEqual((picture[..., 2] > 2 * picture[..., 0]).sum(), 0)
@@ -431,7 +441,7 @@ class ViewTest(unittest.TestCase):
         self.mesh.write_bytes(whole[:len(whole) // 2])
         time.sleep(1.5)
         self.assertLess(differ(window.picture()[0], first)[1], 0.001)
-        subprocess.run([RAYMAP, "example", "-q", "-o", self.mesh, "--holes"], check=True)
+        self.example("holes.ply")
         window.until(lambda: differ(window.picture()[0], first)[1] > 0.001)
         self.mesh.unlink()
         time.sleep(1.0)
@@ -441,10 +451,10 @@ class ViewTest(unittest.TestCase):
     def test_is_resized(self):
         window = self.open(self.mesh, "--resolution", "32")
         window.picture()
-        window.tool("windowsize", "--sync", window.id, 500, 300)
+        window.tool("windowsize", "--sync", window.id, 300, 180)
         time.sleep(0.5)
         picture, command = window.picture()
-        self.assertEqual(picture.shape, (300, 500, 3))
+        self.assertEqual(picture.shape, (180, 300, 3))
         self.check_as_render(picture, command)
         self.close()
 
@@ -589,8 +599,8 @@ class ViewTest(unittest.TestCase):
             return int(pathlib.Path(f"/proc/{window.process.pid}/status").read_text().split("VmRSS:")[1].split()[0])
 
         # What is kept of each frame makes every part grow. Threads reserve memory in some parts only.
-        parts = np.diff([memory(frames) for frames in range(250, 1251, 250)])
-        self.assertLess(parts.min(), 512, parts)  # 2 kB a frame; its picture alone has 9
+        parts = np.diff([memory(frames) for frames in range(100, 501, 100)])
+        self.assertLess(parts.min(), 200, parts)  # 2 kB a frame; its picture alone has 9
         self.close()
 
     def test_says_why_there_is_no_window(self):
