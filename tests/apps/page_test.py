@@ -19,7 +19,7 @@ import urllib.error
 import urllib.request
 
 RAYMAP = pathlib.Path(sys.argv.pop(1)) if len(sys.argv) > 1 else None
-SIZE = (240, 180)
+SIZE = (160, 120)
 FLAGS = ["--headless=new", "--no-sandbox", "--hide-scrollbars", "--force-device-scale-factor=1", "--disable-dev-shm-usage"]
 SOFTWARE = ["--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
 ELEMENT = "element-6066-11e4-a52e-4f735466cecf"
@@ -75,9 +75,9 @@ def colour_at(stops, value):
 class Browser:
     """A Chromium that shows a page."""
 
-    def __init__(self, port, flags, width=900, height=700):
+    def __init__(self, port, flags):
         self.base = f"http://127.0.0.1:{port}/session"
-        wanted = {"goog:chromeOptions": {"args": [*FLAGS, *flags, f"--window-size={width},{height}"]},
+        wanted = {"goog:chromeOptions": {"args": [*FLAGS, *flags]},
                   "goog:loggingPrefs": {"browser": "ALL"}}
         self.base += "/" + self.post("", {"capabilities": {"alwaysMatch": wanted}})["sessionId"]
 
@@ -93,8 +93,10 @@ class Browser:
     def post(self, path, body):
         return self.request("POST", path, body)
 
-    def open(self, page):
+    def open(self, page, width, height):
         self.post("/timeouts", {"script": 300000, "pageLoad": 300000})
+        self.request("DELETE", "/actions")  # The mouse is where it was at first.
+        self.post("/window/rect", {"width": width, "height": height})
         self.post("/url", {"url": page.as_uri()})
 
     def run(self, script, *arguments):
@@ -143,6 +145,8 @@ class Browser:
 
 
 class Page(unittest.TestCase):
+    browser = None
+
     @classmethod
     def setUpClass(cls):
         cls.folder = pathlib.Path(cls.enterClassContext(tempfile.TemporaryDirectory()))
@@ -170,16 +174,21 @@ class Page(unittest.TestCase):
         return self.raymap("render", "field.nrrd", "-o", f"{self.id()}.png", "--device", "cpu", "--size",
                            *map(str, SIZE), *options)
 
-    def browse(self, page, flags=SOFTWARE, **size):
-        browser = Browser(self.port, flags, **size)
-        self.addCleanup(browser.close)
-        browser.open(page)
+    def start(self, flags):
+        browser = Browser(self.port, flags)
+        self.addClassCleanup(browser.close)
         return browser
+
+    def browse(self, page, width=900, height=700):
+        """Returns the browser of all tests, which shows the page: it compiles the shader once."""
+        if Page.browser is None:
+            Page.browser = self.start(SOFTWARE)
+        self.browser.open(page, width, height)
+        return self.browser
 
     def canvas(self, page):
         """Returns a browser that shows the page's canvas in the pictures' size."""
-        browser = self.browse(page, width=500, height=440)  # The first picture, which fills a part of it, is soon drawn.
-        browser.wait()
+        browser = self.browse(page, width=500, height=440)
         browser.run("""const style = document.getElementById("canvas").style;
           [style.width, style.height] = [arguments[0] + "px", arguments[1] + "px"];""", *SIZE)
         browser.run_async("requestAnimationFrame(() => requestAnimationFrame(arguments[0]))")
@@ -212,7 +221,7 @@ class Page(unittest.TestCase):
         for action in (lambda: browser.drag(60, 20), lambda: browser.drag(40, 0, button=2),
                        lambda: browser.press("+"), lambda: browser.press("7"), lambda: browser.press("\ue012"),
                        lambda: browser.post("/actions", {"actions": [{"type": "wheel", "id": "wheel", "actions": [
-                           {"type": "scroll", "x": 200, "y": 150, "deltaX": 0, "deltaY": -300}]}]}) or browser.wait()):
+                           {"type": "scroll", "x": 120, "y": 90, "deltaX": 0, "deltaY": -300}]}]}) or browser.wait()):
             action()
             self.assertNotIn(browser.canvas(), seen)
             seen.add(browser.canvas())
@@ -244,7 +253,7 @@ class Page(unittest.TestCase):
     def test_fits_phones_and_large_screens(self):
         page = self.page()
         for width in (390, 1024, 1920):
-            browser = self.browse(page, width=width, height=800)
+            browser = self.browse(page, width=width, height=300)
             browser.wait()
             inner, scroll, canvas = browser.run("""return [innerWidth, document.documentElement.scrollWidth,
               document.getElementById("canvas").clientWidth]""")
@@ -252,7 +261,8 @@ class Page(unittest.TestCase):
             self.assertGreater(canvas, 0.5 * inner)
 
     def test_shows_a_picture_without_webgl(self):
-        browser = self.browse(self.page(), ["--disable-3d-apis"])
+        browser = self.start(["--disable-3d-apis"])
+        browser.open(self.page(), 900, 700)
         browser.run_async("""const done = arguments[0], look = () =>
           document.getElementById("trouble").hidden ? setTimeout(look, 20) : done();
           look();""")
@@ -420,7 +430,7 @@ class Page(unittest.TestCase):
 
     def test_escapes_its_title(self):
         shutil.copy(self.folder / "field.nrrd", self.folder / "<b>&.nrrd")
-        page = self.raymap("render", "<b>&.nrrd", "-o", "title.html")
+        page = self.raymap("render", "<b>&.nrrd", "-o", "title.html", "--size", "64", "48")
         self.assertIn("<title>&lt;b&gt;&amp;.nrrd</title>".replace("&gt;", ">"), page.read_text())
 
 
