@@ -37,7 +37,7 @@ TEST_F(CliMesh, MakesAClosedMesh) {
 TEST_F(CliMesh, RefusesAFormatThatBreaksTheResult) {
   writeMesh(path("far.obj"), shapes::box({5e5, 5.5e6, 300.0}, {5e5 + 10.0, 5.5e6 + 8.0, 306.0}));
   for (const char* command : {"repair", "mesh"}) {
-    const std::string run = std::string(command) + " far.obj --overwrite --resolution 64 " +
+    const std::string run = std::string(command) + " far.obj --overwrite --resolution 40 " +
                             (std::string(command) == "repair" ? "--remesh " : "") + "--tolerance 0 " +
                             "-o far";
     expectFailure(run + ".stl", ErrorCode::Unsupported,

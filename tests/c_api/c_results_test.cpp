@@ -77,6 +77,8 @@ class CResults : public testing::Test {
   Handle<raymap_options, raymap_options_free> cOptions_;
 };
 
+using Drawn = Handle<raymap_picture, raymap_picture_free>;
+
 /// Expects a mesh of C to have these vertices and triangles.
 void expectSame(const raymap_mesh* given, const Mesh& mesh) {
   ASSERT_EQ(raymap_mesh_vertex_count(given), mesh.vertices.size());
@@ -397,7 +399,6 @@ TEST_F(CResults, PicturesAreThoseOfCpp) {
     view.frame_min[a] = how.frame->min[a];
     view.frame_max[a] = how.frame->max[a];
   }
-  using Drawn = Handle<raymap_picture, raymap_picture_free>;
   expectSame(Drawn(raymap_render_field(cField.get(), &view, cOptions_.get())).get(),
              renderField(field, how, machine));
   RenderOptions open = how;
@@ -422,11 +423,16 @@ TEST_F(CResults, PicturesAreThoseOfCpp) {
              renderField(field, how, machine));
   expectSame(Drawn(raymap_render_defects(cMesh_.get(), &view, cOptions_.get())).get(),
              renderDefects(mesh_, how));
-  expectSame(Drawn(raymap_render_field(cField.get(), nullptr, cOptions_.get())).get(),
-             renderField(field, {}, machine));
   expectSame(Drawn(raymap_render_slice(cField.get(), 1, 5, 50, "winding")).get(),
              renderSlice(field, 1, 5, 50, FieldArray::Winding));
   expectSame(Drawn(raymap_render_slice(cField.get(), 2, -1, 0, nullptr)).get(), renderSlice(field, 2));
+}
+
+TEST_F(CResults, PictureWithoutAViewIsThatOfCpp) {
+  const auto [grid, cGrid] = fit(24);
+  const Handle<raymap_field, raymap_field_free> field(raymap_generate(cMesh_.get(), &cGrid, cOptions_.get()));
+  expectSame(Drawn(raymap_render_field(field.get(), nullptr, cOptions_.get())).get(),
+             renderField(generate(mesh_, grid, {}, {.device = "cpu"}).field, {}, {.device = "cpu"}));
 }
 
 }  // namespace

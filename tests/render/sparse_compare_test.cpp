@@ -26,7 +26,7 @@ std::vector<std::pair<SparseField, SparseField>> somePairs() {
   const Grid grid = fitGrid(torus, {.resolution = 61});
   pairs.emplace_back(Surface(torus).generateBand(grid, kWithAll), Surface(thin).generateBand(grid, kWithAll));
   Mesh ball = shapes::sphere(1.0, 3);
-  const Grid around = fitGrid(ball, {.resolution = 150});
+  const Grid around = fitGrid(ball, {.resolution = 100});
   SparseField first = Surface(ball).generateBand(around, kWithAll);
   BandOptions wider = kWithAll;
   wider.outside = 4.0, wider.inside = 5.5;
