@@ -112,7 +112,7 @@ class SideChooser {
       const State start = best;
       takeIfBetter(improve(first.turns), start, best);
       if (best.misfit > 0.0 && !isFromParity_)
-        if (const Turns parity = startFromParity(); parity != first.turns)
+        if (const Turns& parity = startFromParity(); parity != first.turns)
           takeIfBetter(improve(parity), start, best);
       keepGivenParts(best);
     }
@@ -157,10 +157,13 @@ class SideChooser {
     return turns;
   }
 
-  Turns startFromParity() {
-    Turns turns = surface_.aligned();
-    turnRising(solver_.parityRises(turns), 0.0, turns);
-    return turns;
+  /// Returns the turns that the parity says. They do not depend on those of the solved field.
+  const Turns& startFromParity() {
+    if (parity_.empty()) {
+      parity_ = surface_.aligned();
+      turnRising(solver_.parityRises(parity_), 0.0, parity_);
+    }
+    return parity_;
   }
 
   /// Reverses the patches along whose normals a field rises by more than `least` in the mean. Returns their
@@ -251,6 +254,7 @@ class SideChooser {
   FieldSolver& solver_;
   State given_;
   std::vector<uint32_t> parts_;  ///< See `parts`; empty until then.
+  Turns parity_;                 ///< See `startFromParity`; empty until then.
   bool isFromParity_ = false;    ///< Whether the first state is wholly the one that the parity says.
   double risingShare_ = 0.0;     ///< Largest share of the surface that the field contradicted in one round.
 };

@@ -91,7 +91,7 @@ class SurfaceTree {
   }
   /// Returns the level of a node; that of the leaves is 0.
   uint32_t levelOf(uint32_t node) const;
-  /// Frees what only builds need.
+  /// Frees what only builds need. With made frames, a build does so itself.
   void releaseScratch() { keys_.release(); }
   size_t bytes() const;
   /// Returns the bytes that the build of a tree over so many triangles takes.

@@ -14,4 +14,7 @@ struct RowStencil {
 /// `first`, which is 1 or 2, and stops before the last of the `count` samples.
 void relaxRow(const RowStencil& around, size_t first, size_t count, float* row);
 
+/// Sets `residual` to what the samples of `row` lack, but for the first and the last of the `count` samples.
+void residualRow(const RowStencil& around, size_t count, const float* row, float* residual);
+
 }  // namespace raymap::cpu

@@ -117,11 +117,7 @@ class ResidualPlanes {
                             .kBefore = fine_.row(values_, j, k - 1),
                             .kAfter = fine_.row(values_, j, k + 1),
                             .rightHandSide = rightHandSide_.row(fine_, j, k, scratch_)};
-    const float* row = fine_.row(values_, j, k);
-    for (int i = 1; i + 1 < fine_.dims.x; ++i)
-      residual_[size_t(i) + 1] = ((row[i - 1] + row[i + 1]) + (around.jBefore[i] + around.jAfter[i])) +
-                                 ((around.kBefore[i] + around.kAfter[i]) + around.rightHandSide[i]) -
-                                 6.0f * row[i];
+    residualRow(around, size_t(fine_.dims.x), fine_.row(values_, j, k), residual_.data() + 1);
     rightHandSide_.clear(fine_, j, k, scratch_);
   }
 
