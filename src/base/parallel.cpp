@@ -8,9 +8,15 @@
 #include <tbb/task_arena.h>
 
 #include <climits>
+#include <new>
 #include <utility>
 
 #include "base/require.h"
+
+#if defined(__unix__) || defined(__APPLE__)
+#include <pthread.h>
+#define RAYMAP_MAY_FORK
+#endif
 
 #ifdef RAYMAP_THREAD_SANITIZER
 extern "C" void __tsan_acquire(void* address);
@@ -75,6 +81,19 @@ int threadsFor(int asked) {
   return std::min({asked, allowed, tbb::info::default_concurrency()});
 }
 
+/// Ends TBB's threads before the process is forked: one of them may hold a lock, which nothing would release
+/// in the child. They start again when they are needed. This is not possible while another thread uses TBB.
+void expectForks() {
+#ifdef RAYMAP_MAY_FORK
+  [[maybe_unused]] static const int isExpected = pthread_atfork(
+      [] {
+        tbb::task_scheduler_handle threads{tbb::attach{}};
+        tbb::finalize(threads, std::nothrow);
+      },
+      nullptr, nullptr);
+#endif
+}
+
 }  // namespace
 
 void parallelFor(size_t count, size_t grain, FunctionView<size_t, size_t> work) {
@@ -102,6 +121,7 @@ void withCallersThreads(FunctionView<> work) {
 
 void withThreads(int threads, FunctionView<> work) {
   require(threads >= 0, "the number of threads must not be negative");
+  expectForks();
   tbb::task_arena arena(threadsFor(threads));
   arena.execute([&] {
     const Limited limited;

@@ -1,6 +1,8 @@
 #include "base/parallel.h"
 
 #include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include <atomic>
 #include <cstdio>
@@ -36,6 +38,29 @@ TEST(Parallel, SelectsInOrder) {
   ASSERT_EQ(selected.size(), 66667u);
   for (uint32_t k = 0; k < selected.size(); ++k) ASSERT_EQ(selected[k], 3 * k);
 }
+
+#ifndef RAYMAP_THREAD_SANITIZER  // It ends a process that starts threads after a fork.
+/// A lock that a thread held when the process was forked would hold up one child in some hundred for ever.
+TEST(Parallel, WorksInForkedProcesses) {
+  const auto sumTo = [](size_t count) {
+    std::atomic<size_t> sum{0};
+    parallelFor(count, 1, [&](size_t begin, size_t) { sum += begin; });
+    return sum.load();
+  };
+  for (int k = 0; k < 1000; ++k) {
+    ASSERT_EQ(sumTo(200), 19900u);
+    const pid_t child = fork();
+    ASSERT_GE(child, 0);
+    if (child == 0) {
+      alarm(30);
+      _exit(sumTo(200) == 19900u ? 0 : 1);
+    }
+    int status = 1;
+    ASSERT_EQ(waitpid(child, &status, 0), child);
+    ASSERT_EQ(status, 0) << "after " << k << " forks";
+  }
+}
+#endif
 
 TEST(Parallel, PassesErrorsOn) {
   EXPECT_THROW(parallelFor(100, 1,
