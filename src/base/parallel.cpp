@@ -82,7 +82,8 @@ int threadsFor(int asked) {
 }
 
 /// Ends TBB's threads before the process is forked: one of them may hold a lock, which nothing would release
-/// in the child. They start again when they are needed. This is not possible while another thread uses TBB.
+/// in the child. They start again when they are needed. This is not possible while another thread lives that
+/// has used TBB.
 void expectForks() {
 #ifdef RAYMAP_MAY_FORK
   [[maybe_unused]] static const int isExpected = pthread_atfork(

@@ -39,7 +39,7 @@ TEST(Parallel, SelectsInOrder) {
   for (uint32_t k = 0; k < selected.size(); ++k) ASSERT_EQ(selected[k], 3 * k);
 }
 
-#ifndef RAYMAP_THREAD_SANITIZER  // It ends a process that starts threads after a fork.
+#ifndef RAYMAP_THREAD_SANITIZER  // ThreadSanitizer ends a process that starts threads after a fork.
 /// A lock that a thread held when the process was forked would hold up one child in some hundred for ever.
 TEST(Parallel, WorksInForkedProcesses) {
   const auto sumTo = [](size_t count) {
