@@ -12,7 +12,7 @@ namespace raymap {
 namespace {
 
 /// Largest mesh to compare: a software rasterizer takes a minute for a million triangles.
-constexpr size_t kMostTriangles = 12'000;
+constexpr size_t kMostTriangles = 30'000;
 
 Field make(const Mesh& mesh, const char* device, bool closesHoles = false) {
   FieldOptions options;
