@@ -52,7 +52,7 @@ TEST(Buffer, KeepsItsMemoryWhenItShrinks) {
 
 TEST(Buffer, SaysWhatItCannotAllocate) {
   std::vector<size_t> sizes{SIZE_MAX, SIZE_MAX / 2 + 1};
-#ifndef RAYMAP_ADDRESS_SANITIZER  // It ends a program that asks for so much.
+#ifndef RAYMAP_ADDRESS_SANITIZER  // AddressSanitizer ends a program that asks for so much.
   sizes.push_back(SIZE_MAX / 4);
 #endif
   for (const size_t bytes : sizes) {

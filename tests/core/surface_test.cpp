@@ -568,8 +568,8 @@ TEST(Surface, ReportsTheShareOfItsPoints) {
 }
 
 TEST(Surface, GivesTheSameIfItIsCompact) {
-  const Mesh large = shapes::sphere(1.0, 5),
-             ball = shapes::sphere(1.0, 4);  // More leaves than a thread keeps.
+  const Mesh large = shapes::sphere(1.0, 5);  // More leaves than a thread keeps.
+  const Mesh ball = shapes::sphere(1.0, 4);
   for (const Mesh& mesh : {large, withHoles(ball, 5, 0.2, 1), withFlippedFaces(ball, 0.3, 1),
                            withDoubledFaces(shapes::sphere(1.0, 3), 1.0, 2), shapes::soup(200, 1)})
     for (const SignMode sign : {SignMode::Harmonic, SignMode::None}) {
