@@ -81,17 +81,22 @@ int threadsFor(int asked) {
   return std::min({asked, allowed, tbb::info::default_concurrency()});
 }
 
-/// Ends TBB's threads before the process is forked: one of them may hold a lock, which nothing would release
-/// in the child. They start again when they are needed. This is not possible while another thread lives that
-/// has used TBB.
+/// Whether this process was forked while TBB had threads, which are gone here with the locks that they held.
+/// Each loop then runs on the thread that calls, without TBB.
+bool isAlone = false;
+
+/// Ends TBB's threads before the process is forked. They start again when they are needed. Where another
+/// thread lives that has used TBB, they cannot be ended, and the child is alone.
 void expectForks() {
 #ifdef RAYMAP_MAY_FORK
+  thread_local bool areThreadsEnded = true;  // Both handlers run on the thread that forks.
   [[maybe_unused]] static const int isExpected = pthread_atfork(
       [] {
+        if (isAlone) return;
         tbb::task_scheduler_handle threads{tbb::attach{}};
-        tbb::finalize(threads, std::nothrow);
+        areThreadsEnded = tbb::finalize(threads, std::nothrow);
       },
-      nullptr, nullptr);
+      nullptr, [] { isAlone = isAlone || !areThreadsEnded; });
 #endif
 }
 
@@ -99,15 +104,18 @@ void expectForks() {
 
 void parallelFor(size_t count, size_t grain, FunctionView<size_t, size_t> work) {
   if (count == 0) return;
+  const auto visit = [&](size_t begin, size_t end) {
+    const Limited limited;
+    for (; begin < end; begin += grain) work(begin, std::min(begin + grain, end));
+  };
+  if (isAlone) return visit(0, count);
   withCallersThreads([&] {
     [[maybe_unused]] LoopOrder order;
     tbb::parallel_for(
         tbb::blocked_range<size_t>(0, count, grain),
         [&](const tbb::blocked_range<size_t>& range) {
           [[maybe_unused]] const LoopOrder::Part part(order);
-          const Limited limited;
-          for (size_t begin = range.begin(); begin < range.end(); begin += grain)
-            work(begin, std::min(begin + grain, range.end()));
+          visit(range.begin(), range.end());
         },
         tbb::simple_partitioner());
   });
@@ -122,15 +130,18 @@ void withCallersThreads(FunctionView<> work) {
 
 void withThreads(int threads, FunctionView<> work) {
   require(threads >= 0, "the number of threads must not be negative");
-  expectForks();
-  tbb::task_arena arena(threadsFor(threads));
-  arena.execute([&] {
+  const auto workLimited = [&] {
     const Limited limited;
     work();
-  });
+  };
+  if (isAlone) return workLimited();
+  expectForks();
+  tbb::task_arena arena(threadsFor(threads));
+  arena.execute(workLimited);
 }
 
 size_t parallelThreads() {
+  if (isAlone) return 1;
   return static_cast<size_t>(isLimited ? tbb::this_task_arena::max_concurrency() : threadsFor(0));
 }
 

@@ -7,8 +7,11 @@
 #include <atomic>
 #include <cstdio>
 #include <cstdlib>
+#include <future>
 #include <stdexcept>
 #include <thread>
+
+#include "base/parallel_sort.h"
 
 namespace raymap {
 namespace {
@@ -40,25 +43,59 @@ TEST(Parallel, SelectsInOrder) {
 }
 
 #ifndef RAYMAP_THREAD_SANITIZER  // ThreadSanitizer ends a process that starts threads after a fork.
+size_t sumTo(size_t count) {
+  std::atomic<size_t> sum{0};
+  parallelFor(count, 1, [&](size_t begin, size_t) { sum += begin; });
+  return sum.load();
+}
+
+/// Forks the process this many times, always right after a loop, and expects `work` to succeed in each child.
 /// A lock that a thread held when the process was forked would hold up one child in some hundred for ever.
-TEST(Parallel, WorksInForkedProcesses) {
-  const auto sumTo = [](size_t count) {
-    std::atomic<size_t> sum{0};
-    parallelFor(count, 1, [&](size_t begin, size_t) { sum += begin; });
-    return sum.load();
-  };
-  for (int k = 0; k < 1000; ++k) {
+void expectInForks(int forks, FunctionView<bool&> work) {
+  for (int k = 0; k < forks; ++k) {
     ASSERT_EQ(sumTo(200), 19900u);
     const pid_t child = fork();
     ASSERT_GE(child, 0);
     if (child == 0) {
       alarm(30);
-      _exit(sumTo(200) == 19900u ? 0 : 1);
+      bool isRight = false;
+      work(isRight);
+      _exit(isRight ? 0 : 1);
     }
     int status = 1;
     ASSERT_EQ(waitpid(child, &status, 0), child);
     ASSERT_EQ(status, 0) << "after " << k << " forks";
   }
+}
+
+TEST(Parallel, WorksInForkedProcesses) {
+  expectInForks(1000, [](bool& isRight) { isRight = sumTo(200) == 19900; });
+}
+
+/// TBB's threads cannot be ended while another thread lives that has used them.
+TEST(Parallel, WorksAloneInProcessesForkedBesideThreads) {
+  std::promise<void> end, used;
+  std::thread other([&] {
+    sumTo(200);
+    used.set_value();
+    end.get_future().wait();
+  });
+  used.get_future().wait();
+  expectInForks(1000, [](bool& isRight) {
+    std::vector<int> numbers = {3, 1, 2};
+    parallelSort(numbers.begin(), numbers.end());
+    size_t threads = 0;
+    withThreads(2, [&] { threads = parallelThreads(); });
+    isRight =
+        sumTo(200) == 19900 && threads == 1 && parallelThreads() == 1 && numbers == std::vector<int>{1, 2, 3};
+    // The child of such a child does not wait for the threads either.
+    const pid_t child = fork();
+    if (child == 0) _exit(sumTo(200) == 19900 ? 0 : 1);
+    int status = 1;
+    isRight = isRight && waitpid(child, &status, 0) == child && status == 0;
+  });
+  end.set_value();
+  other.join();
 }
 #endif
 
