@@ -3,7 +3,8 @@
 //
 // A ball about a point, as large as its distance, holds no surface. Where the balls of two points meet, the
 // winding number changes between the points by what the rims say alone: by its slope, within a bound. So one
-// point tells the sides of all that such balls join.
+// point tells the sides of all that such balls join. Close to the surface few balls meet. There the faces
+// between two neighbours tell how their numbers differ, too.
 
 #include "cpu/points/block_sides.h"
 
@@ -11,10 +12,12 @@
 #include <array>
 #include <bit>
 #include <cmath>
+#include <functional>
 #include <iterator>
 
 #include "base/parallel.h"
-#include "cpu/points/point_query.h"
+#include "cpu/points/face_crossings.h"
+#include "cpu/points/point_cells.h"
 #include "cpu/points/segment_crossings.h"
 #include "method/winding_paths_offsets.h"
 #include "method/winding_rims_shared.h"
@@ -23,8 +26,8 @@ namespace raymap::cpu {
 
 namespace {
 
-/// Larger than the error of any winding number of a query: up to 4,096 rims, and beyond.
-constexpr double kExactNumberError = 1e-5, kDipoleNumberError = 1e-3;
+/// Larger than the errors of winding numbers: of any that is computed for a side, and of exact ones.
+constexpr double kNumberError = PointWinding::kSideError, kExactNumberError = 1e-5;
 
 constexpr size_t kMostPlaces =
     size_t(BlockPoints::kMostSide) * BlockPoints::kMostSide * BlockPoints::kMostSide;
@@ -34,11 +37,15 @@ class JoinedPoints {
  public:
   explicit JoinedPoints(int side) : side_(side), count_(size_t(side) * size_t(side) * size_t(side)) {}
 
-  /// Finds for each point of a cube the first one, from `begin` on, that it is joined to. Balls must overlap
-  /// by `overlap` to count.
-  void join(const BlockPoints& blocks, size_t begin, size_t end, double overlap, std::span<uint32_t> firsts) {
+  /// Finds for each point of a cube, from `begin` on, the farthest of those it is joined to. Balls must
+  /// overlap by `overlap` to count.
+  void join(const BlockPoints& blocks, size_t begin, size_t end, double overlap,
+            std::span<uint32_t> farthest) {
     std::fill_n(distances_.begin(), count_, -INFINITY);
-    for (size_t k = begin; k < end; ++k) distances_[blocks.places[k]] = blocks.distances[k];
+    for (size_t k = begin; k < end; ++k) {
+      distances_[blocks.places[k]] = blocks.distances[k];
+      points_[blocks.places[k]] = uint32_t(k);
+    }
     const double needed = blocks.spacing + overlap;
     const auto side = size_t(side_);
     for (size_t row = 0; row < side * side; ++row) {
@@ -51,10 +58,24 @@ class JoinedPoints {
     }
     std::fill_n(chosen_.begin(), count_, kNone);
     for (size_t k = begin; k < end; ++k) {
-      uint32_t& first = chosen_[rootOf(blocks.places[k])];
-      if (first == kNone) first = uint32_t(k);
-      firsts[k] = first;
+      const uint16_t root = rootOf(blocks.places[k]);
+      farthest[k] = root;
+      uint32_t& chosen = chosen_[root];
+      if (chosen == kNone || blocks.distances[k] > blocks.distances[chosen]) chosen = uint32_t(k);
     }
+    for (size_t k = begin; k < end; ++k) farthest[k] = chosen_[farthest[k]];
+  }
+
+  /// Returns the farthest neighbour along an axis of the point at a place of that cube, or the point itself
+  /// if none is farther from the surface.
+  uint32_t farthestNeighbour(size_t place) const {
+    size_t best = place;
+    for (size_t axis = 0, step = 1; axis < 3; ++axis, step *= size_t(side_)) {
+      const size_t along = place / step % size_t(side_);
+      if (along > 0 && distances_[place - step] > distances_[best]) best = place - step;
+      if (along + 1 < size_t(side_) && distances_[place + step] > distances_[best]) best = place + step;
+    }
+    return points_[best];
   }
 
  private:
@@ -89,7 +110,7 @@ class JoinedPoints {
   std::array<uint16_t, kMostPlaces> roots_;
   /// Bit x of each row: whether its ball x overlaps ball x - 1.
   std::array<uint32_t, size_t(BlockPoints::kMostSide) * BlockPoints::kMostSide> along_;
-  std::array<uint32_t, kMostPlaces> chosen_;
+  std::array<uint32_t, kMostPlaces> chosen_, points_;
 };
 
 /// A winding number and how far it may be wrong.
@@ -100,7 +121,6 @@ struct Number {
 /// Computes the number of a point that is joined to one of nearly this number. What the rims add to the
 /// crossings of any ray is known, and these are whole.
 Number numberNear(const PreparedSurface& surface, const glm::dvec3& point, double near) {
-  constexpr double kAllowed = 1e-3, kExact = 1e-9;
   const Grid& grid = surface.lattice.grid;
   const glm::dvec3 fromCentre = point - grid.position(0.5 * glm::dvec3(grid.dims - 1));
   const glm::dvec3 p = point - surface.mesh.origin;
@@ -111,42 +131,40 @@ Number numberNear(const PreparedSurface& surface, const glm::dvec3& point, doubl
     const auto numberOf = [&](const RimShare& share) {
       return share.winding + std::round(near - share.winding);
     };
-    const RimShare share = surface.rims.at(p, direction, kAllowed);
+    const RimShare share = surface.rims.at(p, direction, kNumberError);
     if (share.clearance < double(kLeastClearance)) continue;
     const double number = numberOf(share);
-    if (std::abs(std::abs(number) - surface.threshold) > 2.0 * kAllowed) return {number, kAllowed};
-    return {numberOf(surface.rims.at(p, direction)), kExact};
+    if (std::abs(std::abs(number) - surface.threshold) > 2.0 * kNumberError) return {number, kNumberError};
+    return {numberOf(surface.rims.at(p, direction)), kExactNumberError};
   }
   return {near, INFINITY};
-}
-
-/// Returns some of the points.
-std::vector<glm::dvec3> pointsOf(const BlockPoints& blocks, std::span<const uint32_t> which) {
-  std::vector<glm::dvec3> points;
-  for (const uint32_t k : which) points.push_back(blocks.points[k]);
-  return points;
 }
 
 class SideFinder {
  public:
   /// `near` has a number within `kWhole` of each point's, or NaN.
   SideFinder(const PreparedSurface& surface, const BlockPoints& blocks, std::span<const double> near,
-             Progress& progress, std::span<Side> sides)
-      : surface_(surface), blocks_(blocks), near_(near), progress_(progress), sides_(sides) {}
+             std::span<Side> sides)
+      : surface_(surface),
+        blocks_(blocks),
+        near_(near),
+        sides_(sides),
+        slack_(slackOf(surface.tree, surface.grid.dims)) {}
 
   void find() {
     joinAll();
     std::ranges::fill(sides_, Side::Unknown);
-    numbers_.assign(firsts_.size(), NAN);
-    ask(parallelSelect(firsts_.size(),
-                       [&](uint32_t k) { return firsts_[k] == k && changes_[cubes_[k]].bend < kWhole; }));
-    parallelFor(firsts_.size(), kCheapGrain, [&](size_t from, size_t to) {
+    numbers_.assign(farthest_.size(), {0.0, INFINITY});
+    ask(parallelSelect(farthest_.size(), [&](uint32_t k) { return isAsked(k) && neighbours_[k] == k; }));
+    cross();
+    ask(parallelSelect(farthest_.size(), [&](uint32_t k) { return isAsked(k) && isOpen(k); }));
+    parallelFor(farthest_.size(), kCheapGrain, [&](size_t from, size_t to) {
       for (size_t k = from; k < to; ++k)
-        if (firsts_[k] != k) sides_[k] = sides_[firsts_[k]];
+        if (farthest_[k] != k) sides_[k] = sides_[farthest_[k]];
     });
-    parallelFor(firsts_.size(), kCheapGrain, [&](size_t from, size_t to) {
+    parallelFor(farthest_.size(), kCheapGrain, [&](size_t from, size_t to) {
       for (size_t k = from; k < to; ++k)
-        if (sides_[k] == Side::Unknown) sides_[k] = decided(numberAt(k), doubtAt(k));
+        if (sides_[k] == Side::Unknown) sides_[k] = decided(numberAt(k), doubtAt(k) + changeInReach(k));
     });
     if (blocks_.side > 1 && (blocks_.reach > 0.0 || hasExactNumbers())) findRest();
   }
@@ -154,51 +172,122 @@ class SideFinder {
  private:
   /// Numbers that are closer than this to each other tell which whole number lies between.
   static constexpr double kWhole = 0.45;
-  /// Numbers that are less exact are not kept.
+  /// Numbers that are less exact are asked for again, unless they tell the sides.
   static constexpr double kMostDoubt = 1e-2;
+  static constexpr size_t kPointsAtOnce = 256;
+
+  /// Returns whether a point tells the sides of others or its own.
+  bool isAsked(uint32_t k) const { return farthest_[k] == k && changes_[cubes_[k]].bend < kWhole; }
+
+  /// Returns whether neither the side of such a point is known nor its number.
+  bool isOpen(uint32_t k) const { return sides_[k] == Side::Unknown && !(numbers_[k].doubt < kMostDoubt); }
 
   void joinAll() {
     // Exceeds the errors of two distances.
-    const double overlap = 2.0 * surface_.grid.spacing * double(slackOf(surface_.tree, surface_.grid.dims));
-    firsts_.resize(blocks_.points.size());
+    const double overlap = 2.0 * surface_.grid.spacing * double(slack_);
+    farthest_.resize(blocks_.points.size());
+    neighbours_.resize(blocks_.points.size());
     cubes_.resize(blocks_.points.size());
     changes_.resize(blocks_.begins.size() - 1);
     parallelFor(blocks_.begins.size() - 1, 64, [&](size_t from, size_t to) {
       JoinedPoints joined(blocks_.side);
       for (size_t cube = from; cube < to; ++cube) {
         const size_t begin = blocks_.begins[cube], end = blocks_.begins[cube + 1];
-        joined.join(blocks_, begin, end, overlap, firsts_);
+        joined.join(blocks_, begin, end, overlap, farthest_);
+        for (size_t k = begin; k < end; ++k)
+          if (farthest_[k] == k) neighbours_[k] = joined.farthestNeighbour(blocks_.places[k]);
         std::fill(cubes_.begin() + ptrdiff_t(begin), cubes_.begin() + ptrdiff_t(end), uint32_t(cube));
         changes_[cube] = changeIn(begin);
       }
     });
   }
 
+  /// Finds numbers, and the sides that follow from them, from those of neighbours farther from the surface
+  /// and the faces between.
+  void cross() {
+    parallelFor(changes_.size(), 8, [&](size_t from, size_t to) {
+      std::vector<uint32_t> points, faces;
+      for (size_t cube = from; cube < to; ++cube) {
+        points.clear();
+        for (auto k = uint32_t(blocks_.begins[cube]); k < blocks_.begins[cube + 1]; ++k)
+          if (isAsked(k) && neighbours_[k] != k) points.push_back(k);
+        std::ranges::stable_sort(points, std::greater(), [&](uint32_t k) { return blocks_.distances[k]; });
+        for (const uint32_t k : points) take(k, numberBeside(k, faces));
+      }
+    });
+  }
+
+  /// Returns the number that follows from a neighbour's. `faces` is room to work in.
+  Number numberBeside(uint32_t point, std::vector<uint32_t>& faces) const {
+    const uint32_t neighbour = neighbours_[point];
+    const double doubt = doubtAt(neighbour);
+    if (!(doubt < kWhole)) return {0.0, INFINITY};
+    const glm::dvec3 from = blocks_.points[neighbour], to = blocks_.points[point];
+    const SurfaceTree& tree = surface_.signTree();
+    findTrianglesAlong(tree, toCells(surface_.grid, from), toCells(surface_.grid, to), slack_, faces);
+    for (uint32_t& face : faces) face = tree.triangleId(face);
+    const glm::dvec3& origin = surface_.mesh.origin;
+    const int32_t change =
+        countFaceCrossings(surface_.mesh, surface_.turns, faces, from - origin, to - origin);
+    if (change == kUnsure) return {0.0, INFINITY};
+    return {numberAt(neighbour) + change + glm::dot(changes_[cubes_[point]].slope, to - from), doubt};
+  }
+
   /// Finds the sides of all that some points are joined to, the quickest way first.
   void ask(std::span<const uint32_t> which) {
-    std::vector<uint32_t> rest;
-    const auto takeRest = [&](std::span<const uint32_t> from) {
-      std::vector<uint32_t> left;
-      std::ranges::copy_if(from, std::back_inserter(left),
-                           [&](uint32_t k) { return sides_[k] == Side::Unknown && std::isnan(numbers_[k]); });
-      rest = std::move(left);
-    };
-    decide(which, [&](size_t i) { return known(which[i]); });
-    takeRest(which);
+    parallelFor(which.size(), 64, [&](size_t from, size_t to) {
+      for (size_t i = from; i < to; ++i) take(which[i], known(which[i]));
+    });
     // A point alone is as well queried by the caller.
-    if (rest.empty() || (blocks_.side == 1 && blocks_.reach == 0.0)) return;
+    if (blocks_.side == 1 && blocks_.reach == 0.0) return;
+    const std::vector<uint32_t> open = openOf(which);
+    parallelFor(open.size(), kPointsAtOnce,
+                [&](size_t from, size_t to) { compute(std::span(open).subspan(from, to - from)); });
+  }
+
+  /// Does the same without what is known of other points.
+  void compute(std::span<const uint32_t> which) {
+    PointWinding winding(surface_.windingSource());
+    std::vector<double> numbers(which.size());
     if (surface_.rims.count() <= kFewRims) {  // With more, few numbers are quick.
-      DoubtfulNumbers quick;
-      queryNumbers(surface_, PointsView(pointsOf(blocks_, rest)), progress_, quick);
-      decide(rest, [&](size_t i) { return Number{quick.winding[i], quick.doubt[i]}; });
-      takeRest(std::vector(rest));
-      if (rest.empty()) return;
+      winding.compute(PointArrays(*this, which).points(), numbers);
+      for (size_t i = 0; i < which.size(); ++i) take(which[i], {numbers[i], winding.doubtOf(i)});
     }
-    QueryResult exact;
-    queryPoints(surface_, PointsView(pointsOf(blocks_, rest)), {.distance = false, .winding = true},
-                progress_, exact);
-    const double error = hasExactNumbers() ? kExactNumberError : kDipoleNumberError;
-    decide(rest, [&](size_t i) { return Number{double(exact.winding[i]), error}; });
+    const std::vector<uint32_t> open = openOf(which);
+    numbers.resize(open.size());
+    winding.computeClosely(PointArrays(*this, open).points(), numbers, kNumberError);
+    for (size_t i = 0; i < open.size(); ++i) take(open[i], {numbers[i], errorOf(numbers[i])});
+  }
+
+  /// Some points, as `PointWinding` takes them.
+  struct PointArrays {
+    PointArrays(const SideFinder& finder, std::span<const uint32_t> which) {
+      const PreparedSurface& surface = finder.surface_;
+      for (const uint32_t k : which) {
+        const glm::dvec3 point = finder.blocks_.points[k], offset = point - surface.mesh.origin;
+        cells.push_back(toCells(surface.grid, point));
+        exact.push_back(offset * shrinkingOf(offset));
+        distances.push_back(float(finder.blocks_.distances[k] / surface.grid.spacing));
+      }
+    }
+    WindingPoints points() const { return {cells, exact, distances}; }
+
+    std::vector<glm::vec3> cells;
+    std::vector<glm::dvec3> exact;
+    std::vector<float> distances;
+  };
+
+  /// Returns those points of which neither the side is known nor the number.
+  std::vector<uint32_t> openOf(std::span<const uint32_t> which) const {
+    std::vector<uint32_t> open;
+    std::ranges::copy_if(which, std::back_inserter(open), [&](uint32_t k) { return isOpen(k); });
+    return open;
+  }
+
+  /// Returns how far a number may be wrong that was computed closely.
+  double errorOf(double number) const {
+    const bool isNear = std::abs(std::abs(number) - surface_.threshold) < 2.0 * kNumberError;
+    return isNear && hasExactNumbers() ? kExactNumberError : kNumberError;
   }
 
   /// Returns what follows from a number of the larger cube.
@@ -207,41 +296,35 @@ class SideFinder {
     return numberNear(surface_, blocks_.points[point], near_[point]);
   }
 
-  /// Stores the sides that follow from the numbers of some points.
-  template <class NumberOf>
-  void decide(std::span<const uint32_t> which, NumberOf&& numberOf) {
-    parallelFor(which.size(), 64, [&](size_t from, size_t to) {
-      for (size_t i = from; i < to; ++i) sides_[which[i]] = sideOf(which[i], numberOf(i));
-    });
-  }
-
   /// Returns the side of a number that may be wrong by some doubt.
   Side decided(double number, double doubt) const {
     if (!(std::abs(std::abs(number) - surface_.threshold) > doubt)) return Side::Unknown;
     return std::abs(number) > surface_.threshold ? Side::Inside : Side::Outside;
   }
 
-  /// Returns the side of all that a point is joined to, and keeps its number if theirs follow from it.
-  Side sideOf(uint32_t point, const Number& number) {
+  /// Keeps a point's number, and the side of all that it is joined to if that follows.
+  void take(uint32_t point, const Number& number) {
+    if (!(number.doubt < numbers_[point].doubt)) return;
+    numbers_[point] = number;
     const auto& [slope, bend] = changes_[cubes_[point]];
-    const double change = 2.0 * radius() * glm::length(slope) + bend;
-    const Side side = decided(number.winding, change + number.doubt);
-    if (side == Side::Unknown && number.doubt < kMostDoubt && bend + kMostDoubt < kWhole)
-      numbers_[point] = number.winding;
-    return side;
+    sides_[point] = decided(number.winding, 2.0 * radius() * glm::length(slope) + bend + number.doubt);
   }
 
-  /// Returns the number of a point that follows from that of the point it is joined to, or NaN.
+  /// Returns the number of a point that follows from that of the point it is joined to.
   double numberAt(size_t point) const {
-    const size_t first = firsts_[point];
-    const glm::dvec3 way = blocks_.points[point] - blocks_.points[first];
-    return numbers_[first] + glm::dot(changes_[cubes_[point]].slope, way);
+    const size_t asked = farthest_[point];
+    const glm::dvec3 way = blocks_.points[point] - blocks_.points[asked];
+    return numbers_[asked].winding + glm::dot(changes_[cubes_[point]].slope, way);
   }
 
-  /// Returns how far that may be wrong within the point's reach.
+  /// Returns how far that may be wrong.
   double doubtAt(size_t point) const {
-    const auto& [slope, bend] = changes_[cubes_[point]];
-    return kMostDoubt + bend + blocks_.reach * glm::length(slope);
+    return numbers_[farthest_[point]].doubt + changes_[cubes_[point]].bend;
+  }
+
+  /// Returns by how much the slope changes a point's number within its reach.
+  double changeInReach(size_t point) const {
+    return blocks_.reach * glm::length(changes_[cubes_[point]].slope);
   }
 
   /// Returns whether the rims tell numbers exactly. Else dipoles do, which cost as much for each of many
@@ -277,7 +360,7 @@ class SideFinder {
     std::vector<Side> found(rest.points.size());
     const BlockPoints blocks{blocks_.side / 2, blocks_.spacing, blocks_.reach, rest.points,
                              rest.distances,   rest.places,     rest.begins};
-    SideFinder(surface_, blocks, rest.near, progress_, found).find();
+    SideFinder(surface_, blocks, rest.near, found).find();
     for (size_t k = 0; k < found.size(); ++k) sides_[rest.which[k]] = found[k];
   }
 
@@ -312,7 +395,7 @@ class SideFinder {
       const glm::ivec3 p = placeOf(k) % side;
       halved.points.push_back(blocks_.points[k]);
       halved.distances.push_back(blocks_.distances[k]);
-      halved.near.push_back(numberAt(k));
+      halved.near.push_back(doubtAt(k) < kWhole ? numberAt(k) : NAN);
       halved.places.push_back(uint16_t((p.z * side + p.y) * side + p.x));
     }
     return halved;
@@ -321,24 +404,24 @@ class SideFinder {
   const PreparedSurface& surface_;
   const BlockPoints& blocks_;
   std::span<const double> near_;
-  Progress& progress_;
   std::span<Side> sides_;
-  std::vector<uint32_t> firsts_;  // Of each point, the first of its cube that it is joined to.
+  float slack_;                       // Exceeds the errors of positions in the tree.
+  std::vector<uint32_t> farthest_;    // Of each point, the farthest of its cube that it is joined to.
+  std::vector<uint32_t> neighbours_;  // Of these, the farthest neighbour if that is farther, else themselves.
   std::vector<uint32_t> cubes_;
   std::vector<RimChange> changes_;  // In the ball about each cube, and what its points reach.
-  std::vector<double> numbers_;  // Of first points, if the numbers of all joined ones follow within `kWhole`.
+  std::vector<Number> numbers_;     // Of those farthest points.
 };
 
 }  // namespace
 
-void findSides(const PreparedSurface& surface, const BlockPoints& blocks, Progress& progress,
-               std::span<Side> sides) {
+void findSides(const PreparedSurface& surface, const BlockPoints& blocks, std::span<Side> sides) {
   if (!surface.isSigned) {
     std::ranges::fill(sides, Side::Outside);
     return;
   }
   const std::vector<double> near(blocks.points.size(), NAN);
-  SideFinder(surface, blocks, near, progress, sides).find();
+  SideFinder(surface, blocks, near, sides).find();
 }
 
 }  // namespace raymap::cpu

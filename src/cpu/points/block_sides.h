@@ -3,7 +3,6 @@
 #include <span>
 #include <vector>
 
-#include "base/progress.h"
 #include "cpu/points/prepared_surface.h"
 
 namespace raymap::cpu {
@@ -28,7 +27,6 @@ struct BlockPoints {
 /// Finds the sides of points. Those that see each other share one winding number, so that few of them are
 /// queried. `Side::Unknown` is left where rounding could decide, or the number may pass the threshold within
 /// `reach`. Uses all threads of the caller's arena.
-void findSides(const PreparedSurface& surface, const BlockPoints& blocks, Progress& progress,
-               std::span<Side> sides);
+void findSides(const PreparedSurface& surface, const BlockPoints& blocks, std::span<Side> sides);
 
 }  // namespace raymap::cpu

@@ -44,7 +44,7 @@ void FarCubes::findSome(std::span<const glm::ivec3> cubes, int side, Progress& p
   queryUnsigned(surface_, PointsView(std::span(centres_)), query, progress, found_);
   const std::vector<uint32_t> far =
       parallelSelect(cubes.size(), [&](uint32_t c) { return found_.distance[c] >= limit(narrow); });
-  const std::vector<Side> known = sidesOf(cubes, side, far, progress);
+  const std::vector<Side> known = sidesOf(cubes, side, far);
   std::ranges::fill(sides, Side::Unknown);
   for (size_t k = 0; k < far.size(); ++k) {
     const double width = known[k] == Side::Inside ? band_.inside : band_.outside;
@@ -54,7 +54,7 @@ void FarCubes::findSome(std::span<const glm::ivec3> cubes, int side, Progress& p
 
 /// Returns the sides of balls without surface about the centres of some cubes.
 std::vector<Side> FarCubes::sidesOf(std::span<const glm::ivec3> cubes, int side,
-                                    std::span<const uint32_t> far, Progress& progress) {
+                                    std::span<const uint32_t> far) {
   std::vector<glm::dvec3> centres;
   std::vector<double> distances;
   std::vector<uint16_t> places;
@@ -70,7 +70,7 @@ std::vector<Side> FarCubes::sidesOf(std::span<const glm::ivec3> cubes, int side,
   std::vector<Side> sides(far.size());
   const double radius = radiusOf(side, lattice_.spacing);
   findSides(surface_, {2, double(side) * lattice_.spacing, radius, centres, distances, places, begins},
-            progress, sides);
+            sides);
   return sides;
 }
 

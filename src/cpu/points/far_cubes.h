@@ -26,8 +26,7 @@ class FarCubes {
 
  private:
   void findSome(std::span<const glm::ivec3> cubes, int side, Progress& progress, std::span<Side> sides);
-  std::vector<Side> sidesOf(std::span<const glm::ivec3> cubes, int side, std::span<const uint32_t> far,
-                            Progress& progress);
+  std::vector<Side> sidesOf(std::span<const glm::ivec3> cubes, int side, std::span<const uint32_t> far);
 
   const PreparedSurface& surface_;
   const Grid& lattice_;

@@ -109,7 +109,7 @@ void LatticeQuery::sign() {
   sides_.resizeUninitialized(points_.size());
   const Groups groups = groupsOf(kSignSide);
   findSides(surface_, {kSignSide, lattice_.spacing, 0.0, points_, found_.distance, places_, groups.begins},
-            quiet_, sides_);
+            sides_);
   parallelFor(sides_.size(), kCheapGrain, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i)
       if (sides_[i] == Side::Inside) found_.distance[i] = -found_.distance[i];

@@ -145,22 +145,14 @@ struct Query {
   const PointsView& view;
   const QueryOptions& options;
   QueryResult& result;
-  DoubtfulNumbers* doubtful = nullptr;
 };
 
 /// Answers for one part of a batch after another. Each thread has its own instance.
 class Answers {
  public:
   explicit Answers(const Query& query)
-      : surface_(query.surface),
-        view_(query.view),
-        options_(query.options),
-        result_(query.result),
-        doubtful_(query.doubtful) {
-    if (query.isSigned)
-      winding_.emplace(WindingSource{surface_.mesh, surface_.turns, surface_.signTree(),
-                                     surface_.rimsOfSign(), surface_.dipoles, surface_.lattice,
-                                     surface_.threshold});
+      : surface_(query.surface), view_(query.view), options_(query.options), result_(query.result) {
+    if (query.isSigned) winding_.emplace(surface_.windingSource());
   }
 
   void answer(const Batch& batch, size_t begin, size_t end) {
@@ -230,10 +222,6 @@ class Answers {
       winding_->compute(points, numbers_);
     for (size_t k = 0; k < cells_.size(); ++k) {
       const size_t number = batch.number(begin + k);
-      if (doubtful_ != nullptr) {
-        doubtful_->winding[number] = numbers_[k];
-        doubtful_->doubt[number] = winding_->doubtOf(k);
-      }
       const bool isInside = std::abs(numbers_[k]) > surface_.threshold;
       if (options_.distance) result_.distance[number] = isInside ? -unsigned_[k] : unsigned_[k];
       if (options_.winding) result_.winding[number] = static_cast<float>(numbers_[k]);
@@ -245,7 +233,6 @@ class Answers {
   const PointsView& view_;
   const QueryOptions& options_;
   QueryResult& result_;
-  DoubtfulNumbers* doubtful_;
   std::optional<PointWinding> winding_;
   std::vector<NearestTriangle> nearest_;
   std::vector<glm::vec3> cells_;
@@ -324,14 +311,6 @@ void queryPoints(const PreparedSurface& surface, const PointsView& view, const Q
 void queryUnsigned(const PreparedSurface& surface, const PointsView& view, const QueryOptions& options,
                    Progress& progress, QueryResult& result) {
   answerAll({surface, false, view, options, result}, progress);
-}
-
-void queryNumbers(const PreparedSurface& surface, const PointsView& view, Progress& progress,
-                  DoubtfulNumbers& numbers) {
-  numbers.winding.resizeUninitialized(view.count);
-  numbers.doubt.resizeUninitialized(view.count);
-  QueryResult none;
-  answerAll({surface, surface.isSigned, view, {.distance = false}, none, &numbers}, progress);
 }
 
 }  // namespace raymap::cpu

@@ -11,13 +11,4 @@ void queryPoints(const PreparedSurface& surface, const PointsView& points, const
 void queryUnsigned(const PreparedSurface& surface, const PointsView& points, const QueryOptions& options,
                    Progress& progress, QueryResult& result);
 
-/// Winding numbers, and how far each may be wrong: infinite if only its side of the threshold is known.
-struct DoubtfulNumbers {
-  Buffer<double> winding, doubt;
-};
-
-/// Finds winding numbers at the points as fast as their side of the threshold.
-void queryNumbers(const PreparedSurface& surface, const PointsView& points, Progress& progress,
-                  DoubtfulNumbers& numbers);
-
 }  // namespace raymap::cpu

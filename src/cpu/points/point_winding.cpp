@@ -159,12 +159,11 @@ RimShare PointWinding::numberFrom(uint32_t sample, const WindingPoints& points, 
   // Both lie on one ray. The sample's number tells how many crossings lie beyond it.
   const glm::dvec3 way = exactFrom - p, direction = way / glm::length(way);
   constexpr double kWhole = 0.1;  // Enough to round to a whole number.
-  const double allowed = isClose_ ? kCloseError : kSideError;
   const RimShare there = source_.rims.at(exactFrom, direction, kWhole);
-  RimShare here = source_.rims.at(p, direction, allowed);
+  RimShare here = source_.rims.at(p, direction, allowed_);
   const double beyond = std::round(known - there.winding), whole = beyond + change;
   if (std::abs(known - there.winding - beyond) > kMostDoubt) return {NAN, 0.0};
-  if (std::abs(std::abs(whole + here.winding) - source_.threshold) < 2.0 * allowed)
+  if (std::abs(std::abs(whole + here.winding) - source_.threshold) < 2.0 * allowed_)
     here = source_.rims.at(p, direction);
   return {whole + here.winding, std::min(there.clearance, here.clearance)};
 }
@@ -186,6 +185,7 @@ double PointWinding::exactNumber(const WindingPoints& points, size_t i) {
 
 void PointWinding::compute(const WindingPoints& points, std::span<double> winding) {
   isClose_ = false;
+  allowed_ = kSideError;
   const bool isWhole = source_.lattice.isWhole();
   asked_.clear();
   crossing_.clear();
@@ -224,7 +224,7 @@ double PointWinding::doubtOf(size_t point) const {
   return source_.lattice.isWhole() ? 0.0 : doubt_[point];
 }
 
-void PointWinding::computeClosely(const WindingPoints& points, std::span<double> winding) {
+void PointWinding::computeClosely(const WindingPoints& points, std::span<double> winding, double allowed) {
   if (source_.lattice.isWhole()) {
     compute(points, winding);
     return;
@@ -232,6 +232,7 @@ void PointWinding::computeClosely(const WindingPoints& points, std::span<double>
   asked_.resize(points.cells.size());
   std::iota(asked_.begin(), asked_.end(), 0u);
   isClose_ = true;
+  allowed_ = allowed;
   settle(points, winding);
 }
 

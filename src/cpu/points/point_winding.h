@@ -53,6 +53,9 @@ struct WindingPoints {
 /// Computes winding numbers of points. Each thread has its own instance.
 class PointWinding {
  public:
+  /// Errors allowed in a number itself, and in one of which only the side of the threshold matters.
+  static constexpr double kCloseError = 9e-7, kSideError = 1e-3;
+
   explicit PointWinding(const WindingSource& source);
 
   /// Computes the numbers well enough to tell on which side of the threshold a point lies: from the nearest
@@ -61,18 +64,15 @@ class PointWinding {
   /// Returns how far the number of a point that `compute` was called with may be wrong, 0 to 1; infinite if
   /// only its side is known.
   double doubtOf(size_t point) const;
-  /// Computes them exactly, or with too many rims by dipoles, to about 0.0002 and ever closer towards the
-  /// threshold.
-  void computeClosely(const WindingPoints& points, std::span<double> winding);
+  /// Computes them exactly but for an error of single precision that is allowed, where the threshold is not
+  /// near; or with too many rims by dipoles, to about 0.0002 and ever closer towards the threshold.
+  void computeClosely(const WindingPoints& points, std::span<double> winding, double allowed = kCloseError);
 
   /// Returns the confidence in the sign of a point with this winding number.
   float confidence(const glm::vec3& p, double winding) const;
 
  private:
   static constexpr size_t kCorners = 8;  // of a cell
-  /// Errors allowed in a number itself, and in one of which only the side of the threshold matters.
-  static constexpr double kCloseError = 9e-7, kSideError = 1e-3;
-
   /// A sample from which a point's number follows.
   struct Reference {
     static constexpr uint32_t kNone = 0xffffffffu;
@@ -101,6 +101,7 @@ class PointWinding {
   glm::ivec3 dims_;
   float slack_;
   bool isClose_ = false;  ///< Whether the numbers themselves are asked for.
+  double allowed_ = kSideError;
   /// Offsets of a cell's corners from its lowest one: x in bit 0, y in bit 1, z in bit 2.
   uint32_t offsets_[kCorners];
   std::vector<uint32_t> asked_, faces_;

@@ -109,9 +109,10 @@ PreparedSurface prepareSigned(const PackedMesh& mesh, const Grid& grid, const Su
 
 }  // namespace
 
-const WindingRims& PreparedSurface::rimsOfSign() const {
+WindingSource PreparedSurface::windingSource() const {
   static const WindingRims kNone;
-  return rims.count() <= kMostRims ? rims : kNone;
+  const WindingRims& rimsOfSign = rims.count() <= kMostRims ? rims : kNone;
+  return {mesh, turns, signTree(), rimsOfSign, dipoles, lattice, threshold};
 }
 
 PackedMesh PreparedSurface::turnedMesh() const {

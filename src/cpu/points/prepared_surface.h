@@ -32,8 +32,8 @@ struct PreparedSurface {
   double threshold = 0.5;
 
   const SurfaceTree& signTree() const { return turnedTree ? *turnedTree : tree; }
-  /// Returns the rims if they are few enough to tell signs, else none.
-  const WindingRims& rimsOfSign() const;
+  /// Returns what winding numbers are computed from: without rims, if too many to tell signs.
+  WindingSource windingSource() const;
   /// Returns the mesh with its faces as the sign takes them.
   PackedMesh turnedMesh() const;
   /// Returns the bytes held, without those of `mesh`.
