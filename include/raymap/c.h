@@ -113,6 +113,7 @@ RAYMAP_API raymap_result raymap_options_set_text(raymap_options* options, const 
  *   "thickness" (0)     thickness of a wall around the surface instead of a sign; 0 = none
  *   "threads" (0)       number of CPU threads; 0 = raymap_default_threads
  *   "memory_limit" (0)  most bytes that may be held; 0 = what is available
+ *   "compact" (0)       whether a surface takes less memory and more time, as in raymap::SurfaceOptions
  *   "invert", "close_holes", "triangle", "winding", "confidence", "allow_empty" (0)
  *                       switches, as in raymap::FieldOptions */
 RAYMAP_API raymap_result raymap_options_set_number(raymap_options* options, const char* option, double value);
@@ -308,9 +309,9 @@ RAYMAP_API raymap_result raymap_field_write(const raymap_field* field, const cha
  * at the same time. */
 typedef struct raymap_surface raymap_surface;
 
-/* Prepares a mesh. Of the options, "orientation", "threshold", "threads", "memory_limit" and the progress
- * callback count, and "sign": "harmonic", or "none" for distances that are never negative. They may be NULL.
- */
+/* Prepares a mesh. Of the options, "orientation", "threshold", "compact", "threads", "memory_limit" and the
+ * progress callback count, and "sign": "harmonic", or "none" for distances that are never negative. They may
+ * be NULL. */
 RAYMAP_API raymap_surface* raymap_surface_create(const raymap_mesh* mesh, const raymap_options* options);
 RAYMAP_API void raymap_surface_free(raymap_surface* surface);
 /* Returns the bytes that the surface holds; 0 for NULL. */
@@ -746,6 +747,9 @@ typedef struct raymap_view {
  * count. `view` and `options` may be NULL for the defaults. */
 RAYMAP_API raymap_picture* raymap_render_field(const raymap_field* field, const raymap_view* view,
                                                const raymap_options* options);
+/* Draws the same of a narrow band. */
+RAYMAP_API raymap_picture* raymap_render_sparse_field(const raymap_sparse_field* field,
+                                                      const raymap_view* view, const raymap_options* options);
 /* Draws a mesh with its defects in colour, which raymap/render.h lists. Of the view the size, `direction`,
  * `up` and `field_of_view` count. Options as above. */
 RAYMAP_API raymap_picture* raymap_render_defects(const raymap_mesh* mesh, const raymap_view* view,
@@ -754,6 +758,9 @@ RAYMAP_API raymap_picture* raymap_render_defects(const raymap_mesh* mesh, const 
  * array is "distance" (or NULL), "winding", "confidence" or "triangle"; the width is in pixels, 0 = 1024. */
 RAYMAP_API raymap_picture* raymap_render_slice(const raymap_field* field, int32_t axis, int32_t index,
                                                int32_t width, const char* array);
+/* Draws the same of a narrow band. */
+RAYMAP_API raymap_picture* raymap_render_sparse_slice(const raymap_sparse_field* field, int32_t axis,
+                                                      int32_t index, int32_t width, const char* array);
 RAYMAP_API void raymap_picture_free(raymap_picture* picture);
 
 /* Returns the width in pixels; 0 for NULL. */
@@ -775,6 +782,7 @@ typedef struct raymap_page_options {
   const raymap_field* other; /* Field to compare with, sampled on the grid of the first; NULL = none. */
   const char* other_title;   /* Name of that field; NULL = "Other field". */
   int64_t max_size; /* Most samples along a side; 0 = 256. A larger field is shown on a coarser grid. */
+  const raymap_sparse_field* other_sparse; /* Narrow band to compare with instead of `other`; NULL = none. */
 } raymap_page_options;
 
 /* Writes a page that shows a field in a browser with WebGL 2: one HTML file, which needs no network. It
@@ -783,6 +791,10 @@ typedef struct raymap_page_options {
 RAYMAP_API raymap_result raymap_write_page(const raymap_field* field, const char* path,
                                            const raymap_view* view, const raymap_page_options* page,
                                            const raymap_options* options);
+/* Writes a page of a narrow band, which shows distances only. raymap/page.h says which. */
+RAYMAP_API raymap_result raymap_write_sparse_page(const raymap_sparse_field* field, const char* path,
+                                                  const raymap_view* view, const raymap_page_options* page,
+                                                  const raymap_options* options);
 
 /* ---- Devices ---- */
 

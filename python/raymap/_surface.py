@@ -137,8 +137,8 @@ class Surface:
         sign: Whether to tell inside from outside. Without, preparing takes less time and memory.
         orientation: Whether faces that point the wrong way are reversed: ``"auto"``, if the mesh then fits clearly
             better; ``"keep"``, never; ``"repair"``, whenever it fits no worse.
-        compact: Whether to take 68 bytes per face less. The results are the same. Scattered points then take up to a
-            third more time, and narrow bands up to a tenth.
+        compact: Whether to take 68 to 74 bytes per face less. The results are the same. Scattered points then take up
+            to half more time, and narrow bands up to a tenth.
         threads: Number of CPU threads; None = ``raymap.get_threads()``.
         memory_limit: Most bytes that the surface may hold while it is made; None = what is available.
         progress: A callable that receives the name of a stage and the share of it that is done, 0 to 1, about ten

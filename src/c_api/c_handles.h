@@ -23,6 +23,7 @@
 struct raymap_options {
   raymap::FieldOptions field;
   raymap::MachineOptions machine;
+  bool isCompact = false;  ///< Whether surfaces are.
 };
 
 struct raymap_mesh {

@@ -58,6 +58,8 @@ void setNumber(raymap_options& options, const std::string& option, double value)
     options.field.band = value;
   else if (option == "thickness")
     options.field.thickness = value;
+  else if (option == "compact")
+    options.isCompact = isOn();
   else if (option == "invert")
     options.field.invert = isOn();
   else if (option == "close_holes")
@@ -73,8 +75,8 @@ void setNumber(raymap_options& options, const std::string& option, double value)
   else
     throw Error(ErrorCode::Usage, "there is no option '" + option +
                                       "' with a number; use passes, threshold, band, thickness, threads, "
-                                      "memory_limit, invert, close_holes, triangle, winding, confidence or "
-                                      "allow_empty");
+                                      "memory_limit, compact, invert, close_holes, triangle, winding, "
+                                      "confidence or allow_empty");
 }
 
 }  // namespace

@@ -50,6 +50,7 @@ PageOptions pageOptions(const raymap_page_options* page) {
   if (given.other) wanted.other = &given.other->field;
   if (given.other_title) wanted.otherTitle = given.other_title;
   constexpr int64_t kMost = std::numeric_limits<int>::max();
+  if (given.other_sparse) wanted.otherBand = &given.other_sparse->field;
   if (given.max_size != 0) wanted.maxSize = int(std::clamp<int64_t>(given.max_size, 0, kMost));
   return wanted;
 }
@@ -58,14 +59,44 @@ std::unique_ptr<raymap_picture> ownPicture(Picture picture) {
   return std::make_unique<raymap_picture>(raymap_picture{std::move(picture)});
 }
 
-}  // namespace
+// For fields and narrow bands:
 
-raymap_picture* raymap_render_field(const raymap_field* field, const raymap_view* view,
-                                    const raymap_options* options) {
+template <class Field>
+raymap_picture* drawField(const Field* field, const raymap_view* view, const raymap_options* options) {
   return create([&] {
     return ownPicture(
         renderField(need(field, "the field").field, renderOptions(view), c::optionsOr(options).machine));
   });
+}
+
+template <class Field>
+raymap_picture* drawSlice(const Field* field, int axis, int index, int width, const char* array) {
+  return create([&] {
+    constexpr int kWidth = 1024;
+    return ownPicture(renderSlice(need(field, "the field").field, axis, index, width != 0 ? width : kWidth,
+                                  fromName<FieldArray>(array ? array : "distance")));
+  });
+}
+
+template <class Field>
+raymap_result writePageOf(const Field* field, const char* path, const raymap_view* view,
+                          const raymap_page_options* page, const raymap_options* options) {
+  return guard([&] {
+    writePage(&need(path, "the path"), need(field, "the field").field, renderOptions(view), pageOptions(page),
+              c::optionsOr(options).machine);
+  });
+}
+
+}  // namespace
+
+raymap_picture* raymap_render_field(const raymap_field* field, const raymap_view* view,
+                                    const raymap_options* options) {
+  return drawField(field, view, options);
+}
+
+raymap_picture* raymap_render_sparse_field(const raymap_sparse_field* field, const raymap_view* view,
+                                           const raymap_options* options) {
+  return drawField(field, view, options);
 }
 
 raymap_picture* raymap_render_defects(const raymap_mesh* mesh, const raymap_view* view,
@@ -78,11 +109,12 @@ raymap_picture* raymap_render_defects(const raymap_mesh* mesh, const raymap_view
 
 raymap_picture* raymap_render_slice(const raymap_field* field, int32_t axis, int32_t index, int32_t width,
                                     const char* array) {
-  return create([&] {
-    constexpr int kWidth = 1024;
-    return ownPicture(renderSlice(need(field, "the field").field, axis, index, width != 0 ? width : kWidth,
-                                  fromName<FieldArray>(array ? array : "distance")));
-  });
+  return drawSlice(field, axis, index, width, array);
+}
+
+raymap_picture* raymap_render_sparse_slice(const raymap_sparse_field* field, int32_t axis, int32_t index,
+                                           int32_t width, const char* array) {
+  return drawSlice(field, axis, index, width, array);
 }
 
 void raymap_picture_free(raymap_picture* picture) {
@@ -107,8 +139,11 @@ raymap_result raymap_picture_write_png(const raymap_picture* picture, const char
 
 raymap_result raymap_write_page(const raymap_field* field, const char* path, const raymap_view* view,
                                 const raymap_page_options* page, const raymap_options* options) {
-  return guard([&] {
-    writePage(&need(path, "the path"), need(field, "the field").field, renderOptions(view), pageOptions(page),
-              c::optionsOr(options).machine);
-  });
+  return writePageOf(field, path, view, page, options);
+}
+
+raymap_result raymap_write_sparse_page(const raymap_sparse_field* field, const char* path,
+                                       const raymap_view* view, const raymap_page_options* page,
+                                       const raymap_options* options) {
+  return writePageOf(field, path, view, page, options);
 }

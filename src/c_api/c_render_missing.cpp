@@ -22,11 +22,21 @@ raymap_picture* raymap_render_field(const raymap_field*, const raymap_view*, con
   return refusedPicture();
 }
 
+raymap_picture* raymap_render_sparse_field(const raymap_sparse_field*, const raymap_view*,
+                                           const raymap_options*) {
+  return refusedPicture();
+}
+
 raymap_picture* raymap_render_defects(const raymap_mesh*, const raymap_view*, const raymap_options*) {
   return refusedPicture();
 }
 
 raymap_picture* raymap_render_slice(const raymap_field*, int32_t, int32_t, int32_t, const char*) {
+  return refusedPicture();
+}
+
+raymap_picture* raymap_render_sparse_slice(const raymap_sparse_field*, int32_t, int32_t, int32_t,
+                                           const char*) {
   return refusedPicture();
 }
 
@@ -50,5 +60,10 @@ raymap_result raymap_picture_write_png(const raymap_picture*, const char*) {
 
 raymap_result raymap_write_page(const raymap_field*, const char*, const raymap_view*,
                                 const raymap_page_options*, const raymap_options*) {
+  return refusePictures();
+}
+
+raymap_result raymap_write_sparse_page(const raymap_sparse_field*, const char*, const raymap_view*,
+                                       const raymap_page_options*, const raymap_options*) {
   return refusePictures();
 }

@@ -129,9 +129,9 @@ raymap_result raymap_fit_repair_grid(const raymap_mesh* mesh, const raymap_grid_
 raymap_repaired* raymap_repair(const raymap_mesh* mesh, const raymap_grid* grid,
                                const raymap_repair_options* repair, const raymap_options* options) {
   return create([&] {
-    const auto& [field, machine] = c::optionsOr(options);
-    Repaired made = raymap::repair(need(mesh, "the mesh").view, c::fromC(need(grid, "the grid")), field,
-                                   repairOptions(repair), machine);
+    const raymap_options& given = c::optionsOr(options);
+    Repaired made = raymap::repair(need(mesh, "the mesh").view, c::fromC(need(grid, "the grid")), given.field,
+                                   repairOptions(repair), given.machine);
     auto handle = std::make_unique<raymap_repaired>();
     c::own(handle->mesh, std::move(made.mesh));
     handle->report = std::move(made.report);

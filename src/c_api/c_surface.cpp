@@ -32,10 +32,13 @@ SamplePointsOptions sampleOptions(size_t count, const raymap_sample_points_optio
 
 raymap_surface* raymap_surface_create(const raymap_mesh* mesh, const raymap_options* options) {
   return create([&] {
-    const auto& [field, machine] = c::optionsOr(options);
-    return std::make_unique<raymap_surface>(Surface(
-        need(mesh, "the mesh").view,
-        {.sign = field.sign, .orientation = field.orientation, .threshold = field.threshold}, machine));
+    const raymap_options& given = c::optionsOr(options);
+    return std::make_unique<raymap_surface>(Surface(need(mesh, "the mesh").view,
+                                                    {.sign = given.field.sign,
+                                                     .orientation = given.field.orientation,
+                                                     .threshold = given.field.threshold,
+                                                     .compact = given.isCompact},
+                                                    given.machine));
   });
 }
 

@@ -63,6 +63,7 @@ void Backend::begin() {
   removedTriangles_.clear();
   addedTriangles_.clear();
   windingDipoles_.clear();
+  givenRims_.reset();
   const size_t count = grid.sampleCount();
   field.grid = grid;
   field.clampDistance = options.band * grid.spacing;
@@ -182,7 +183,10 @@ void Backend::rayMap() {
 void Backend::winding(SignMode mode) {
   const auto ask = [this](size_t more) { this->ask(more, ", because the mesh has holes or reversed faces"); };
   const auto rims = [this](SignMode mode) -> const RimLattices& {
-    return rims_ = findRimLattices({mesh().vertices, mesh_.triangles, mesh().origin}, job_->grid, mode);
+    const PackedMesh asTurned{mesh().vertices, mesh_.triangles, mesh().origin};
+    if (areTurned()) return rims_ = findRimLattices(asTurned, job_->grid, mode);
+    if (!givenRims_) givenRims_ = findRimEdges(asTurned, spacing());
+    return rims_ = findRimLattices(asTurned, *givenRims_, job_->grid, mode);
   };
   doubtfulShare_ = windingSolver_.compute(rayMap_, mode, options(), {ask, rims}, progress(), windingBuffer());
 }

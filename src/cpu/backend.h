@@ -71,6 +71,8 @@ class Backend {
   /// Gives away the tree of the last run's mesh, with the faces as given and one of each group of
   /// double-sided ones, and its dipoles if they are prepared.
   std::pair<SurfaceTree, WindingDipoles> takeTree();
+  /// Gives away the rims of the last run's mesh with the faces as given, if the run found them.
+  std::optional<std::vector<RimEdge>> takeGivenRims() { return std::exchange(givenRims_, std::nullopt); }
 
   /// Returns the number of bytes held, with the field and the mesh's copy.
   size_t bytes() const;
@@ -116,6 +118,7 @@ class Backend {
   Winding windingSolver_;
   WindingDipoles windingDipoles_;
   double doubtfulShare_ = 0.0;
+  std::optional<std::vector<RimEdge>> givenRims_;  // Those of the faces as given, once they are needed.
   RimLattices rims_;
   Buffer<float> rises_, wholeness_;
   FaceSides faceSides_;

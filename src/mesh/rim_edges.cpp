@@ -78,7 +78,7 @@ class Edges {
 /// chance.
 class EdgeSums {
  public:
-  explicit EdgeSums(size_t faces) : sums_(std::bit_ceil(std::max<size_t>(faces / 2, 64))) {}
+  explicit EdgeSums(size_t faces) : lines_(faces / (2 * kLine) + 4), sums_(lines_ * kLine) {}
 
   void add(const PlacedEdge& edge) {
     const auto value = static_cast<uint32_t>(edge.number >> 32) | 1u;
@@ -95,10 +95,11 @@ class EdgeSums {
 
  private:
   std::atomic<uint32_t>& at(const PlacedEdge& edge) {
-    constexpr uint64_t kLine = 64 / sizeof(uint32_t);
-    return sums_[(edge.place * kLine + edge.number % kLine) & (sums_.size() - 1)];
+    return sums_[(edge.place * lines_ >> 32) * kLine + edge.number % kLine];
   }
 
+  static constexpr uint64_t kLine = 64 / sizeof(uint32_t);  // of the cache
+  uint64_t lines_;
   std::vector<std::atomic<uint32_t>> sums_;
 };
 

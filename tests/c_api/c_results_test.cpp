@@ -11,6 +11,8 @@
 #include <string>
 #include <vector>
 
+#include "files.h"
+
 namespace raymap {
 namespace {
 
@@ -367,6 +369,45 @@ TEST_F(CResults, BandsAreThoseOfCpp) {
   const Handle<raymap_mesh, raymap_mesh_free> contour(
       raymap_sparse_field_isosurface(made.get(), 0.01, nullptr));
   expectSame(contour.get(), isosurface(band, {.iso = 0.01}));
+}
+
+TEST_F(CResults, CompactSurfacesAreThoseOfCpp) {
+  raymap_options_set_number(cOptions_.get(), "compact", 1);
+  const Handle<raymap_surface, raymap_surface_free> compact(
+      raymap_surface_create(cMesh_.get(), cOptions_.get()));
+  EXPECT_EQ(raymap_surface_bytes(compact.get()),
+            Surface(mesh_, {.compact = true}, {.device = "cpu"}).bytes());
+  EXPECT_LT(raymap_surface_bytes(compact.get()), Surface(mesh_, {}, {.device = "cpu"}).bytes());
+}
+
+TEST_F(CResults, PicturesOfBandsAreThoseOfCpp) {
+  const auto [grid, cGrid] = fit(40);
+  raymap_options_set_number(cOptions_.get(), "winding", 1);
+  const Handle<raymap_surface, raymap_surface_free> surface(raymap_surface_create(cMesh_.get(), nullptr));
+  const Handle<raymap_sparse_field, raymap_sparse_field_free> cBand(
+      raymap_surface_generate_band(surface.get(), &cGrid, nullptr, cOptions_.get()));
+  const SparseField band = Surface(mesh_).generateBand(grid, {.winding = true});
+  auto view = RAYMAP_INIT(raymap_view);
+  view.width = 60;
+  view.height = 40;
+  view.cut = true;
+  const RenderOptions how{.width = 60, .height = 40, .cut = true};
+  expectSame(Drawn(raymap_render_sparse_field(cBand.get(), &view, cOptions_.get())).get(),
+             renderField(band, how, {.device = "cpu"}));
+  expectSame(Drawn(raymap_render_sparse_slice(cBand.get(), 1, 5, 50, "winding")).get(),
+             renderSlice(band, 1, 5, 50, FieldArray::Winding));
+  expectSame(Drawn(raymap_render_sparse_slice(cBand.get(), 2, -1, 0, nullptr)).get(), renderSlice(band, 2));
+
+  const TemporaryFolder folder;
+  const std::string path = (folder.path() / "band.html").string();
+  auto page = RAYMAP_INIT(raymap_page_options);
+  page.title = "a band";
+  page.max_size = 20;
+  page.other_sparse = cBand.get();
+  ASSERT_EQ(raymap_write_sparse_page(cBand.get(), path.c_str(), &view, &page, cOptions_.get()), RAYMAP_OK);
+  const PageOptions shown{.title = "a band", .maxSize = 20, .otherBand = &band};
+  EXPECT_EQ(readBytes(path), makePage(band, how, shown, {.device = "cpu"}).html);
+  EXPECT_EQ(raymap_write_sparse_page(nullptr, path.c_str(), nullptr, nullptr, nullptr), RAYMAP_ERROR_USAGE);
 }
 
 TEST_F(CResults, PicturesAreThoseOfCpp) {

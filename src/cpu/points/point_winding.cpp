@@ -240,7 +240,7 @@ void PointWinding::computeClosely(const WindingPoints& points, std::span<double>
 /// these leave a side in doubt.
 void PointWinding::settle(const WindingPoints& points, std::span<double> winding) {
   const size_t rims = source_.rims.count();
-  if (source_.lattice.isWhole() || (rims > 0 && rims <= (isClose_ ? kExactRims : kFewRims))) {
+  if (isClose_ ? rims > 0 && rims <= kExactRims : !source_.dipoles.isPrepared()) {
     for (const uint32_t i : asked_) winding[i] = exactNumber(points, i);
     return;
   }

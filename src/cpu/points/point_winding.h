@@ -38,7 +38,7 @@ struct WindingSource {
   const Turns& turns;             ///< How the sign takes the faces; empty: all as given.
   const SurfaceTree& tree;        ///< The faces as the sign takes them, in the lattice's cells.
   const WindingRims& rims;        ///< Those of the faces as the sign takes them; none if too many.
-  const WindingDipoles& dipoles;  ///< Prepared for the tree if there are more than a few rims.
+  const WindingDipoles& dipoles;  ///< Prepared for the tree unless the rims tell all sides.
   const WindingLattice& lattice;
   double threshold = 0.5;
 };

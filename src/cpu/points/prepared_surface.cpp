@@ -26,6 +26,10 @@ constexpr double kLatticeBand = 3.0;
 /// With more rims, even a close look at the dipoles is faster.
 constexpr size_t kMostRims = 16384;
 
+/// Up to so many rims tell all sides in a compact surface: dipoles, which are faster, take as much memory as
+/// half of its tree.
+constexpr size_t kRimsOfCompact = 1024;
+
 Frames framesOf(const SurfaceOptions& options) {
   return options.compact ? Frames::Made : Frames::Stored;
 }
@@ -63,14 +67,15 @@ void turnFaces(PreparedSurface& surface) {
 }
 
 /// Finds the rims of the faces as the sign takes them, and prepares what tells how they change winding
-/// numbers.
-void prepareRims(PreparedSurface& surface) {
+/// numbers. `found` are the rims of the faces as given, if they are known.
+void prepareRims(PreparedSurface& surface, std::optional<std::vector<RimEdge>> found) {
   const PackedMesh mesh = surface.turnedMesh();
-  const std::vector<RimEdge> edges = findRimEdges(mesh, surface.grid.spacing);
+  if (!found || !surface.turnedTriangles.empty()) found = findRimEdges(mesh, surface.grid.spacing);
+  const std::vector<RimEdge>& edges = *found;
   surface.lattice.isNearRim = markRims(mesh, edges, surface.grid);
   size_t count = 0;
   for (const RimEdge& edge : edges) count += edge.times;
-  if (count <= kFewRims)
+  if (count <= (surface.tree.frames() == Frames::Made ? kRimsOfCompact : kFewRims))
     surface.dipoles = {};
   else if (surface.turnedTree || !surface.dipoles.isPrepared())
     surface.dipoles.prepare(surface.signTree());
@@ -89,9 +94,9 @@ PreparedSurface prepareSigned(const PackedMesh& mesh, const Grid& grid, const Su
   field.threshold = options.threshold;
   field.winding = field.confidence = true;
   field.band = kLatticeBand;
-  Backend backend;
+  std::optional<Backend> backend(std::in_place);
   Field samples;
-  stats = runOnCpu(backend, {mesh, grid, field, progress, samples, machine}, meshBytes, framesOf(options));
+  stats = runOnCpu(*backend, {mesh, grid, field, progress, samples, machine}, meshBytes, framesOf(options));
   PreparedSurface surface;
   progress.stage("tree", [&] {
     surface.mesh = mesh;
@@ -99,10 +104,12 @@ PreparedSurface prepareSigned(const PackedMesh& mesh, const Grid& grid, const Su
     surface.isSigned = true;
     surface.threshold = options.threshold;
     surface.lattice = makeLattice(grid, options.threshold, samples);
-    surface.turns = backend.faceSides().turns;
-    std::tie(surface.tree, surface.dipoles) = backend.takeTree();
+    surface.turns = backend->faceSides().turns;
+    std::tie(surface.tree, surface.dipoles) = backend->takeTree();
+    std::optional<std::vector<RimEdge>> rims = backend->takeGivenRims();
+    backend.reset();
     turnFaces(surface);
-    prepareRims(surface);
+    prepareRims(surface, std::move(rims));
   });
   return surface;
 }
