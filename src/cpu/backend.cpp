@@ -60,8 +60,7 @@ void Backend::begin() {
   toCellUnits(mesh, grid, mesh_);
   hasSurfaceTree_ = hasCrossings_ = false;
   crossedTurns_.clear();
-  removedTriangles_.clear();
-  addedTriangles_.clear();
+  changedFaces_ = {};
   windingDipoles_.clear();
   givenRims_.reset();
   const size_t count = grid.sampleCount();
@@ -155,9 +154,8 @@ void Backend::crossings() {
     countCrossings(mesh_, progress(), crossings_);
     return;
   }
-  changeCrossings(mesh_, removedTriangles_, addedTriangles_, progress(), crossings_);
-  removedTriangles_ = {};
-  addedTriangles_ = {};
+  changeCrossings(mesh_, changedFaces_, progress(), crossings_);
+  changedFaces_ = {};
 }
 
 /// Prepares to count the crossings without the double-sided faces, which cancel, if most faces are. Returns
@@ -168,7 +166,7 @@ bool Backend::leaveOutDoubleSided() {
   crossedTurns_ = withoutOthers(doubleSided_, count);
   for (const uint32_t face : doubleSided_.firsts) crossedTurns_[face] = kLeftOut;
   for (size_t f = 0; f < count; ++f)
-    if (crossedTurns_[f] == kAsGiven) addedTriangles_.push_back(mesh().triangles[f]);
+    if (crossedTurns_[f] == kAsGiven) changedFaces_.added.push_back(mesh().triangles[f]);
   clearCrossings(mesh_.dims, crossings_);
   return true;
 }
@@ -200,11 +198,13 @@ void Backend::turnFaces(const Turns& turns) {
   const std::span<const glm::uvec3> given = mesh().triangles;
   const std::vector<uint32_t> changed =
       parallelSelect(given.size(), [&](uint32_t f) { return turns[f] != crossedTurns_[f]; });
-  removedTriangles_.clear();
-  addedTriangles_.clear();
+  changedFaces_ = {};
   for (const uint32_t f : changed) {
-    if (crossedTurns_[f] != kLeftOut) removedTriangles_.push_back(turned(given[f], crossedTurns_[f]));
-    if (turns[f] != kLeftOut) addedTriangles_.push_back(turned(given[f], turns[f]));
+    auto& [removed, added, reversed] = changedFaces_;
+    if (turns[f] == kLeftOut)
+      removed.push_back(turned(given[f], crossedTurns_[f]));
+    else
+      (crossedTurns_[f] == kLeftOut ? added : reversed).push_back(turned(given[f], turns[f]));
   }
   if (!areTurned()) {
     turnedTriangles_.resizeUninitialized(given.size());

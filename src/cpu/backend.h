@@ -113,7 +113,7 @@ class Backend {
   Crossings crossings_;
   bool hasCrossings_ = false;
   Turns crossedTurns_;  // The turns that the crossings are counted with; empty if they count all as given.
-  std::vector<glm::uvec3> removedTriangles_, addedTriangles_;
+  ChangedFaces changedFaces_;  // Since the crossings were counted.
   RayMap rayMap_;
   Winding windingSolver_;
   WindingDipoles windingDipoles_;

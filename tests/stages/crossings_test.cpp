@@ -53,17 +53,22 @@ TEST(Crossings, ChangeToThoseOfOtherFaces) {
   const Mesh before = shapes::sphere(1.0, 3);
   const Grid grid = fitGrid(before, {.resolution = 20});
   Mesh after = before;
-  std::vector<glm::uvec3> removed, added;
+  const auto reverse = [](const glm::uvec3& face) { return glm::uvec3(face.x, face.z, face.y); };
+  ChangedFaces changed;
   for (size_t f = 0; f < 600; ++f) {
-    removed.push_back(before.triangles[f]);
-    if (f % 2 == 0) added.emplace_back(before.triangles[f].x, before.triangles[f].z, before.triangles[f].y);
+    if (f % 2 == 0)
+      changed.reversed.push_back(reverse(before.triangles[f]));
+    else
+      changed.removed.push_back(before.triangles[f]);
   }
+  for (size_t f = 600; f < 700; ++f) changed.added.push_back(reverse(before.triangles[f]));
   after.triangles.erase(after.triangles.begin(), after.triangles.begin() + 600);
-  after.triangles.insert(after.triangles.end(), added.begin(), added.end());
+  for (const auto* faces : {&changed.reversed, &changed.added})
+    after.triangles.insert(after.triangles.end(), faces->begin(), faces->end());
   Crossings crossings = crossingsOf(before, grid);
   const Crossings expected = crossingsOf(after, grid);
   Progress progress;
-  changeCrossings(cellMesh(after, grid), removed, added, progress, crossings);
+  changeCrossings(cellMesh(after, grid), changed, progress, crossings);
   for (size_t axis = 0; axis < 3; ++axis) {
     ASSERT_TRUE(std::ranges::equal(crossings[axis].starts, expected[axis].starts)) << axis;
     for (size_t e = 0; e < expected[axis].entries.size(); ++e) {

@@ -221,9 +221,9 @@ void scanChunk(const Buffer<glm::vec3>& vertices, std::span<const glm::uvec3> tr
   }
 }
 
-/// Adds the crossings of some of the mesh's triangles. Each counts as `weight` faces: 1, or -1 to remove it.
+/// Adds the crossings of some of the mesh's triangles.
 void addCrossings(const CellMesh& mesh, std::span<const glm::uvec3> triangles, const Lattice& lattice,
-                  int32_t weight, Progress& progress, Crossings& crossings) {
+                  RecordWeights weights, Progress& progress, Crossings& crossings) {
   std::vector<Chunk> chunks(chunkCount(triangles));
   for (size_t c = 0; c < chunks.size(); ++c)
     chunks[c] = {c * kTrianglesPerChunk, std::min((c + 1) * kTrianglesPerChunk, triangles.size())};
@@ -235,7 +235,7 @@ void addCrossings(const CellMesh& mesh, std::span<const glm::uvec3> triangles, c
       for (auto& list : records[c]) list.clear();
       scanChunk(mesh.vertices, triangles, lattice, progress, found, chunks[c], records[c]);
     });
-    for (int axis = 0; axis < 3; ++axis) addToLines(records, axis, weight, crossings[axis]);
+    for (int axis = 0; axis < 3; ++axis) addToLines(records, axis, weights, crossings[axis]);
   }
 }
 
@@ -253,14 +253,15 @@ void clearCrossings(const glm::ivec3& dims, Crossings& crossings) {
 
 void countCrossings(const CellMesh& mesh, Progress& progress, Crossings& crossings) {
   clearCrossings(mesh.dims, crossings);
-  addCrossings(mesh, mesh.triangles, {mesh.dims, chooseFractionBits(mesh)}, 1, progress, crossings);
+  addCrossings(mesh, mesh.triangles, {mesh.dims, chooseFractionBits(mesh)}, {1, 1}, progress, crossings);
 }
 
-void changeCrossings(const CellMesh& mesh, std::span<const glm::uvec3> removed,
-                     std::span<const glm::uvec3> added, Progress& progress, Crossings& crossings) {
+void changeCrossings(const CellMesh& mesh, const ChangedFaces& changed, Progress& progress,
+                     Crossings& crossings) {
   const Lattice lattice{mesh.dims, chooseFractionBits(mesh)};
-  addCrossings(mesh, removed, lattice, -1, progress, crossings);
-  addCrossings(mesh, added, lattice, 1, progress, crossings);
+  addCrossings(mesh, changed.removed, lattice, {-1, -1}, progress, crossings);
+  addCrossings(mesh, changed.added, lattice, {1, 1}, progress, crossings);
+  addCrossings(mesh, changed.reversed, lattice, {2, 0}, progress, crossings);
 }
 
 }  // namespace raymap::cpu

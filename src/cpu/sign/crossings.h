@@ -5,6 +5,7 @@
 #include "predicates/lattice_line_triangle.h"
 
 #include <array>
+#include <vector>
 
 namespace raymap::cpu {
 
@@ -44,9 +45,14 @@ void countCrossings(const CellMesh& mesh, Progress& progress, Crossings& crossin
 /// Sets the crossings to those of a mesh without faces.
 void clearCrossings(const glm::ivec3& dims, Crossings& crossings);
 
+/// Faces that a change removes, adds, and reverses. These are as they are after it.
+struct ChangedFaces {
+  std::vector<glm::uvec3> removed, added, reversed;
+};
+
 /// Changes the crossings to those of a mesh with other faces. `mesh` has the faces after the change, which
 /// must use the same vertices as those before it.
-void changeCrossings(const CellMesh& mesh, std::span<const glm::uvec3> removed,
-                     std::span<const glm::uvec3> added, Progress& progress, Crossings& crossings);
+void changeCrossings(const CellMesh& mesh, const ChangedFaces& changed, Progress& progress,
+                     Crossings& crossings);
 
 }  // namespace raymap::cpu

@@ -23,7 +23,7 @@ uint64_t addOne(uint64_t& count) {
 }
 
 /// Appends the records to their lines with a counting sort. The order within a line depends on the threads.
-void appendRecords(const std::vector<LineRecords>& lists, int axis, int32_t weight,
+void appendRecords(const std::vector<LineRecords>& lists, int axis, RecordWeights weights,
                    AxisCrossings& crossings) {
   const size_t lines = crossings.starts.size() - 1;
   const AxisCrossings old{crossings.starts.clone(), crossings.entries.clone()};
@@ -41,7 +41,8 @@ void appendRecords(const std::vector<LineRecords>& lists, int axis, int32_t weig
   }
   starts[0] = 0;
   forEachRecord(lists, axis, [&](const LineRecord& r) {
-    crossings.entries[addOne(starts[r.line + 1])] = {r.index, weight * r.sign, weight};
+    crossings.entries[addOne(starts[r.line + 1])] = {r.index, weights.signedCount * r.sign,
+                                                     weights.unsignedCount};
   });
 }
 
@@ -97,8 +98,9 @@ void clearLines(size_t lines, AxisCrossings& axis) {
   axis.entries.resizeUninitialized(0);
 }
 
-void addToLines(const std::vector<LineRecords>& lists, int axis, int32_t weight, AxisCrossings& crossings) {
-  appendRecords(lists, axis, weight, crossings);
+void addToLines(const std::vector<LineRecords>& lists, int axis, RecordWeights weights,
+                AxisCrossings& crossings) {
+  appendRecords(lists, axis, weights, crossings);
   mergeLines(crossings);
 }
 

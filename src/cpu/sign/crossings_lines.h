@@ -22,8 +22,14 @@ size_t lineCount(const glm::ivec3& dims);
 
 void clearLines(size_t lines, AxisCrossings& axis);
 
-/// Sorts the records of one axis by line and index, and adds them to the existing crossings, each `weight`
-/// times: 1, or -1 to remove a triangle that was added before.
-void addToLines(const std::vector<LineRecords>& lists, int axis, int32_t weight, AxisCrossings& crossings);
+/// What a record adds to the counts of its crossing: 1 each for a triangle, -1 to remove one that was added
+/// before, and 2 and 0 to reverse one.
+struct RecordWeights {
+  int32_t signedCount, unsignedCount;
+};
+
+/// Sorts the records of one axis by line and index, and adds them to the existing crossings.
+void addToLines(const std::vector<LineRecords>& lists, int axis, RecordWeights weights,
+                AxisCrossings& crossings);
 
 }  // namespace raymap::cpu
