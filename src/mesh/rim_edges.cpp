@@ -26,9 +26,7 @@ uint64_t mixedHashOf(const glm::vec3& p) {
 struct Edge {
   Edge(uint64_t from, uint64_t to)
       : number(mixed(std::min(from, to) + 3 * std::max(from, to))),
-        direction(from < to   ? 1
-                  : from > to ? -1
-                              : 0) {}
+        direction(int(from < to) - int(from > to)) {}
 
   uint64_t number;
   int direction;
@@ -82,11 +80,10 @@ class EdgeSums {
 
   void add(const PlacedEdge& edge) {
     const auto value = static_cast<uint32_t>(edge.number >> 32) | 1u;
-    if (edge.direction == 0) return;
-    at(edge).fetch_add(edge.direction < 0 ? 0u - value : value, std::memory_order_relaxed);
+    at(edge).fetch_add(value * static_cast<uint32_t>(edge.direction), std::memory_order_relaxed);
   }
   bool mayBeRim(const PlacedEdge& edge) {
-    return edge.direction != 0 && at(edge).load(std::memory_order_relaxed) != 0;
+    return (edge.direction != 0) & (at(edge).load(std::memory_order_relaxed) != 0);
   }
   bool hasRims() const {
     return std::ranges::any_of(sums_,
