@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <utility>
 
 #include "base/memory.h"
@@ -63,6 +64,7 @@ void Backend::begin() {
   changedFaces_ = {};
   windingDipoles_.clear();
   givenRims_.reset();
+  mustFit_ = areRimsFound_ = false;
   const size_t count = grid.sampleCount();
   field.grid = grid;
   field.clampDistance = options.band * grid.spacing;
@@ -181,12 +183,30 @@ void Backend::rayMap() {
 void Backend::winding(SignMode mode) {
   const auto ask = [this](size_t more) { this->ask(more, ", because the mesh has holes or reversed faces"); };
   const auto rims = [this](SignMode mode) -> const RimLattices& {
-    const PackedMesh asTurned{mesh().vertices, mesh_.triangles, mesh().origin};
-    if (areTurned()) return rims_ = findRimLattices(asTurned, job_->grid, mode);
-    if (!givenRims_) givenRims_ = findRimEdges(asTurned, spacing());
-    return rims_ = findRimLattices(asTurned, *givenRims_, job_->grid, mode);
+    // A fit needs no rims. `windingDipoles` does, once all faces are chosen.
+    const bool areAllTaken =
+        !areTurned() || std::ranges::find(crossedTurns_, kLeftOut) == crossedTurns_.end();
+    if (mode != SignMode::Harmonic || !mustFit_ || !areAllTaken) return findRims(mode);
+    areRimsFound_ = false;
+    return rims_ = {};
   };
   doubtfulShare_ = windingSolver_.compute(rayMap_, mode, options(), {ask, rims}, progress(), windingBuffer());
+}
+
+/// Finds the rims of the faces as the sign takes them.
+const RimLattices& Backend::findRims(SignMode mode) {
+  areRimsFound_ = true;
+  const PackedMesh asTurned{mesh().vertices, mesh_.triangles, mesh().origin};
+  if (areTurned()) return rims_ = findRimLattices(asTurned, job_->grid, mode);
+  if (!givenRims_) givenRims_ = findRimEdges(asTurned, spacing());
+  rims_ = findRimLattices(asTurned, *givenRims_, job_->grid, mode);
+  // An edge of an odd number of faces is a rim, whichever of them are reversed. More rims need a fit, too.
+  std::vector<RimEdge> odd;
+  std::ranges::copy_if(*givenRims_, std::back_inserter(odd),
+                       [](const RimEdge& e) { return e.times % 2 == 1; });
+  mustFit_ = !rims_.haveAll() && (odd.size() == givenRims_->size() ||
+                                  !findRimLattices(asTurned, odd, job_->grid, mode).haveAll());
+  return rims_;
 }
 
 DoubleSidedFaces Backend::doubleSidedFaces() {
@@ -253,6 +273,7 @@ void Backend::measureSides(float farSides, Buffer<float>* wholeness) {
 
 void Backend::windingDipoles() {
   if (doubtfulShare() == 0.0) return;
+  if (!areRimsFound_) findRims(SignMode::Harmonic);
   const Buffer<float>& distance = job_->field.distance;
   const bool haveRims = !rims_.rims.empty();
   if (rims_.needDipoles())

@@ -90,6 +90,7 @@ class Backend {
   /// Returns the tree for winding numbers. Its normals are those of the faces as the sign takes them.
   const SurfaceTree& turnedSurfaceTree();
   bool leaveOutDoubleSided();
+  const RimLattices& findRims(SignMode mode);
   /// Returns whether the sign takes the faces as `turnFaces` turned them, and not as given.
   bool areTurned() const { return mesh_.triangles.data() == turnedTriangles_.data(); }
   void measureSides(float farSides, Buffer<float>* wholeness = nullptr);
@@ -119,7 +120,9 @@ class Backend {
   WindingDipoles windingDipoles_;
   double doubtfulShare_ = 0.0;
   std::optional<std::vector<RimEdge>> givenRims_;  // Those of the faces as given, once they are needed.
+  bool mustFit_ = false;  // Whether numbers do not all follow from rims, whichever faces are reversed.
   RimLattices rims_;
+  bool areRimsFound_ = false;  // Whether `rims_` has those of the faces as the sign takes them.
   Buffer<float> rises_, wholeness_;
   FaceSides faceSides_;
   Buffer<float> winding_;

@@ -603,6 +603,17 @@ TEST(Surface, GivesTheSameIfItIsCompact) {
     }
 }
 
+TEST(Surface, NeedsNoDipolesForFewRimsIfItIsCompact) {
+  const auto saved = [](int triangles) {
+    const Mesh soup = shapes::soup(triangles, 1);  // Each triangle has three rims.
+    const SurfaceOptions asGiven{.orientation = Orientation::Keep};
+    SurfaceOptions compact = asGiven;
+    compact.compact = true;
+    return Surface(soup, asGiven).bytes() - Surface(soup, compact).bytes();
+  };
+  EXPECT_GT(saved(341), saved(342) + 1000);
+}
+
 TEST(Surface, IsBestCompactWithFewSamplesPerTriangle) {
   const Grid grid{.dims = {10, 20, 100}};
   EXPECT_FALSE(isCompactBetter(grid, 19));
