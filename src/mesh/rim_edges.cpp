@@ -38,83 +38,81 @@ std::pair<uint32_t, uint32_t> endsOf(const PackedMesh& mesh, size_t edge) {
   return {face[corner], face[(corner + 1) % 3]};
 }
 
-/// An edge with a place that near edges share.
-struct PlacedEdge : Edge {
-  uint32_t place;
-};
-
-/// All edges of a mesh.
-class Edges {
+/// A sum for each vertex that is 0 where all edges there are passed as often in both directions. Vertices at
+/// the same position share one, and so may others. Those of the same cell mostly lie in one cache line.
+class VertexSums {
  public:
-  Edges(const PackedMesh& mesh, double cell)
-      : mesh_(mesh), hashes_(mesh.vertices.size()), places_(mesh.vertices.size()) {
+  VertexSums(const PackedMesh& mesh, double cell)
+      : lines_(mesh.vertices.size() / kLine + 1), ends_(mesh.vertices.size()), sums_(lines_ * kLine) {
     const auto cells = static_cast<float>(1.0 / cell);
     parallelFor(mesh.vertices.size(), kRimFacesPerTask, [&](size_t begin, size_t end) {
       for (size_t v = begin; v < end; ++v) {
         constexpr float kRound = 1.5f * (1 << 23);  // The sum has no fraction.
-        hashes_[v] = mixedHashOf(mesh.vertices[v]);
-        places_[v] = static_cast<uint32_t>(mixedHashOf(mesh.vertices[v] * cells + kRound));
+        const uint64_t hash = mixedHashOf(mesh.vertices[v]);
+        const uint64_t place = mixedHashOf(mesh.vertices[v] * cells + kRound) >> 32;
+        ends_[v] = {uint32_t((place * lines_ >> 32) * kLine + hash % kLine), uint32_t(hash >> 32),
+                    uint32_t(hash) | 1};
       }
+    });
+    parallelFor(mesh.triangles.size(), kRimFacesPerTask, [&](size_t begin, size_t end) {
+      for (size_t f = begin; f < end; ++f) add(mesh.triangles[f]);
     });
   }
 
-  size_t count() const { return 3 * mesh_.triangles.size(); }
-  PlacedEdge operator[](size_t k) const {
-    const auto [from, to] = endsOf(mesh_, k);
-    const uint64_t a = hashes_[from], b = hashes_[to];
-    return {{a, b}, places_[a < b ? from : to]};
+  bool areZero() const {
+    return std::ranges::all_of(sums_,
+                               [](const auto& sum) { return sum.load(std::memory_order_relaxed) == 0; });
+  }
+  /// Returns whether an edge that is not passed as often in both directions may end at the vertex.
+  bool mayBeAtRim(uint32_t vertex) const {
+    return sums_[ends_[vertex].sum].load(std::memory_order_relaxed) != 0;
   }
 
  private:
-  const PackedMesh& mesh_;
-  Buffer<uint64_t> hashes_;  // of the vertices' positions
-  Buffer<uint32_t> places_;  // hashes of their cells
-};
+  struct End {
+    uint32_t sum;   // the place of the vertex's sum
+    uint32_t hash;  // what it adds to the sums of others
+    // Factor of what its own sum gets. Without it, the three of a face cancel where they share a sum.
+    uint32_t weight;
+  };
 
-/// Sums that are 0 where all edges end evenly. Several edges share one. Sums of edges of the same cell mostly
-/// lie in one cache line. The upper half of an edge's number keeps edges from cancelling each other by
-/// chance.
-class EdgeSums {
- public:
-  explicit EdgeSums(size_t faces) : lines_(faces / (2 * kLine) + 4), sums_(lines_ * kLine) {}
-
-  void add(const PlacedEdge& edge) {
-    const auto value = static_cast<uint32_t>(edge.number >> 32) | 1u;
-    at(edge).fetch_add(value * static_cast<uint32_t>(edge.direction), std::memory_order_relaxed);
-  }
-  bool mayBeRim(const PlacedEdge& edge) {
-    return (edge.direction != 0) & (at(edge).load(std::memory_order_relaxed) != 0);
-  }
-  bool hasRims() const {
-    return std::ranges::any_of(sums_,
-                               [](const auto& sum) { return sum.load(std::memory_order_relaxed) != 0; });
-  }
-
- private:
-  std::atomic<uint32_t>& at(const PlacedEdge& edge) {
-    return sums_[(edge.place * lines_ >> 32) * kLine + edge.number % kLine];
+  /// At each vertex, adds the next one and takes away the one before.
+  void add(const glm::uvec3& face) {
+    const End a = ends_[face.x], b = ends_[face.y], c = ends_[face.z];
+    sums_[a.sum].fetch_add(a.weight * (b.hash - c.hash), std::memory_order_relaxed);
+    sums_[b.sum].fetch_add(b.weight * (c.hash - a.hash), std::memory_order_relaxed);
+    sums_[c.sum].fetch_add(c.weight * (a.hash - b.hash), std::memory_order_relaxed);
   }
 
   static constexpr uint64_t kLine = 64 / sizeof(uint32_t);  // of the cache
   uint64_t lines_;
+  Buffer<End> ends_;
   std::vector<std::atomic<uint32_t>> sums_;
 };
-
-void addEdges(const Edges& edges, EdgeSums& sums) {
-  parallelFor(edges.count(), 3 * kRimFacesPerTask, [&](size_t begin, size_t end) {
-    for (size_t k = begin; k < end; ++k) sums.add(edges[k]);
-  });
-}
 
 }  // namespace
 
 std::vector<RimEdge> findRimEdges(const PackedMesh& mesh, double cell) {
-  const Edges edges(mesh, cell);
-  EdgeSums sums(mesh.triangles.size());
-  addEdges(edges, sums);
-  if (!sums.hasRims()) return {};
-  return findRimEdges(mesh,
-                      parallelSelect(edges.count(), [&](uint32_t k) { return sums.mayBeRim(edges[k]); }));
+  const VertexSums sums(mesh, cell);
+  if (sums.areZero()) return {};
+  const auto mayBeRim = [&](uint32_t edge) {
+    const auto [from, to] = endsOf(mesh, edge);
+    return sums.mayBeAtRim(from) && sums.mayBeAtRim(to) && mesh.vertices[from] != mesh.vertices[to];
+  };
+  const std::vector<uint32_t> faces = parallelSelect(
+      mesh.triangles.size(),
+      [&](uint32_t face) {
+        const glm::uvec3& corners = mesh.triangles[face];
+        return int(sums.mayBeAtRim(corners.x)) + int(sums.mayBeAtRim(corners.y)) +
+                   int(sums.mayBeAtRim(corners.z)) >
+               1;
+      },
+      kRimFacesPerTask);
+  std::vector<uint32_t> candidates;
+  for (const uint32_t face : faces)
+    for (uint32_t edge = 3 * face; edge < 3 * face + 3; ++edge)
+      if (mayBeRim(edge)) candidates.push_back(edge);
+  return findRimEdges(mesh, candidates);
 }
 
 std::vector<RimEdge> findRimEdges(const PackedMesh& mesh, std::span<const uint32_t> candidates) {

@@ -57,5 +57,16 @@ TEST(RimEdges, TellDirectionAndCount) {
   EXPECT_EQ(times, expected);
 }
 
+/// The sums of a face's corners must not cancel where they share one.
+TEST(RimEdges, AreFoundOfFacesWithinACell) {
+  Mesh mesh = shapes::soup(5000, 1);
+  for (size_t f = 0; f < mesh.triangles.size(); ++f)
+    for (int c = 0; c < 3; ++c) {
+      glm::vec3& vertex = mesh.vertices[mesh.triangles[f][c]];
+      vertex = 0.1f * vertex + glm::vec3(3.0f * float(f), 0.0f, 0.0f);
+    }
+  EXPECT_EQ(findRimEdges(mesh, 1.0).size(), 3 * mesh.triangles.size());
+}
+
 }  // namespace
 }  // namespace raymap
