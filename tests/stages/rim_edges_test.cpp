@@ -1,6 +1,7 @@
 #include "mesh/rim_edges.h"
 
 #include <gtest/gtest.h>
+#include <raymap/grid.h>
 
 #include <map>
 #include <utility>
