@@ -49,8 +49,8 @@ PageOptions pageOptions(const raymap_page_options* page) {
   if (given.mesh) wanted.mesh = given.mesh->view;
   if (given.other) wanted.other = &given.other->field;
   if (given.other_title) wanted.otherTitle = given.other_title;
-  constexpr int64_t kMost = std::numeric_limits<int>::max();
   if (given.other_sparse) wanted.otherBand = &given.other_sparse->field;
+  constexpr int64_t kMost = std::numeric_limits<int>::max();
   if (given.max_size != 0) wanted.maxSize = int(std::clamp<int64_t>(given.max_size, 0, kMost));
   return wanted;
 }

@@ -64,8 +64,8 @@ class PointWinding {
   /// Returns how far the number of a point that `compute` was called with may be wrong, 0 to 1; infinite if
   /// only its side is known.
   double doubtOf(size_t point) const;
-  /// Computes them exactly but for an error of single precision that is allowed, where the threshold is not
-  /// near; or with too many rims by dipoles, to about 0.0002 and ever closer towards the threshold.
+  /// Computes them to within `allowed`, and exactly near the threshold. With too many rims dipoles compute
+  /// them, to about 0.0002 and ever closer towards the threshold.
   void computeClosely(const WindingPoints& points, std::span<double> winding, double allowed = kCloseError);
 
   /// Returns the confidence in the sign of a point with this winding number.

@@ -22,8 +22,8 @@ size_t lineCount(const glm::ivec3& dims);
 
 void clearLines(size_t lines, AxisCrossings& axis);
 
-/// What a record adds to the counts of its crossing: 1 each for a triangle, -1 to remove one that was added
-/// before, and 2 and 0 to reverse one.
+/// What a record adds to the two counts of its crossing. A triangle adds 1 to both. Removing it adds -1 to
+/// both. Reversing it adds 2 to the signed count, with its new sign, and nothing to the other.
 struct RecordWeights {
   int32_t signedCount, unsignedCount;
 };
