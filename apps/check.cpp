@@ -1,7 +1,6 @@
 #include <raymap/raymap.h>
 
 #include <cstdio>
-#include <iostream>
 #include <optional>
 #include <string>
 #include <vector>
@@ -40,7 +39,8 @@ struct CheckArguments {
 };
 
 void print(const Json& line) {
-  std::cout << textOf(line, -1) << std::flush;
+  std::fputs(textOf(line, -1).c_str(), stdout);
+  finishText();
 }
 
 /// Checks a mesh and prints a line about it. Returns whether it is good.
@@ -50,8 +50,12 @@ bool checkMesh(const fs::path& path, const CheckArguments& arguments) {
   const MachineOptions machine = withProgress(arguments.machine, line);
   const Diagnostics found = diagnose(mesh, {}, machine);
   std::optional<SelfIntersections> crossings;
-  if (!arguments.isFast) crossings = findSelfIntersections(mesh, machine);
-  const Verdict verdict = judge(found, crossings);
+  Arrangement arrangement = Arrangement::Unknown;
+  if (!arguments.isFast) {
+    crossings = findSelfIntersections(mesh, machine);
+    arrangement = arrangeParts(mesh, found, *crossings, machine);
+  }
+  const Verdict verdict = judge(found, crossings, arrangement);
   line.clear();
   const bool isGood = verdict.kind == MeshKind::CleanSolid || verdict.kind == MeshKind::SeveralSolids;
   if (arguments.isJson) {
@@ -62,7 +66,7 @@ bool checkMesh(const fs::path& path, const CheckArguments& arguments) {
   } else {
     std::printf("%s: %s, %s\n", displayName(path).c_str(), isGood ? "good" : "bad",
                 describeKind(verdict, found, crossings).c_str());
-    std::fflush(stdout);
+    finishText();
   }
   return isGood;
 }
@@ -83,7 +87,7 @@ void run(CheckArguments& arguments) {
   for (const fs::path& mesh : arguments.meshes) try {
       areGood &= checkMesh(mesh, arguments);
     } catch (const Error& error) {
-      if (error.code() == ErrorCode::Cancelled) throw;
+      if (error.code() == ErrorCode::Cancelled || std::ferror(stdout) != 0) throw;
       if (code == 0) code = exitCodeOf(error.code());
       reportError(mesh, error, arguments);
     }
@@ -95,7 +99,7 @@ void run(CheckArguments& arguments) {
 }  // namespace
 
 void addCheck(CLI::App& app) {
-  CLI::App* command = app.add_subcommand("check", "Say of each mesh whether it is a clean solid");
+  CLI::App* command = app.add_subcommand("check", "Report whether each mesh is a clean solid");
   const auto arguments = std::make_shared<CheckArguments>();
   command->add_option("meshes", arguments->meshes, "Meshes to read")->type_name("MESH...")->required();
   addOption(*command, "--format", arguments->format.given);

@@ -212,6 +212,13 @@ CLI::Validator sizeInBytes() {
           ""};
 }
 
+std::string alternatives(const std::vector<std::string>& words) {
+  std::string list;
+  for (size_t i = 0; i < words.size(); ++i)
+    list += (i == 0 ? "" : i + 1 < words.size() ? ", " : " or ") + words[i];
+  return list;
+}
+
 bool hasExtension(const fs::path& path, const std::vector<std::string>& extensions) {
   std::string extension = path.extension().string();
   std::transform(extension.begin(), extension.end(), extension.begin(),

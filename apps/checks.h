@@ -55,6 +55,9 @@ void prepareFiles(StreamFormat& format, const std::vector<Input>& inputs, const 
 /// Throws `Error(Usage)` if an output is the same file as an input, also through links.
 void checkInputs(const std::vector<Output>& outputs, const std::vector<std::filesystem::path>& inputs);
 
+/// Returns words as "a", "a or b", "a, b or c".
+std::string alternatives(const std::vector<std::string>& words);
+
 /// Returns whether a path has one of these extensions, in upper or lower case.
 bool hasExtension(const std::filesystem::path& path, const std::vector<std::string>& extensions);
 

@@ -115,7 +115,7 @@ void addCompare(CLI::App& app) {
   const auto arguments = std::make_shared<CompareArguments>();
   command->add_option("a", arguments->a, "First field")->type_name("FIELD")->required();
   command->add_option("b", arguments->b, "Second field")->type_name("FIELD")->required();
-  addOption(*command, "--output", arguments->picture);
+  addOutput(*command, arguments->picture, "Picture of the differences to write", {".png"});
   addOption(*command, "--format", arguments->format.given);
   addOption(*command, "--grid", arguments->format.grid);
   addOption(*command, "--as", arguments->as);

@@ -1,7 +1,9 @@
 #include <raymap/raymap.h>
 
 #include <algorithm>
+#include <utility>
 #include <variant>
+#include <vector>
 
 #include "checks.h"
 #include "commands.h"
@@ -35,9 +37,10 @@ std::vector<std::string> outputExtensions(const ConvertArguments& arguments) {
   return extensions;
 }
 
-void writeConverted(const ConvertArguments& arguments, Mesh& mesh) {
+template <class AnyMesh>
+void writeConvertedMesh(const ConvertArguments& arguments, AnyMesh& mesh) {
   if (arguments.half || !arguments.gridName.empty())
-    throw Error(ErrorCode::Usage, "--grid-name and --half are for the .vdb or .nvdb of a field, and " +
+    throw Error(ErrorCode::Usage, "--grid-name and --half are for a field, and " +
                                       displayName(arguments.input) + " is a mesh; leave them out");
   const std::filesystem::path input = named(arguments.input, arguments.format.input),
                               output = named(arguments.output, arguments.format.output);
@@ -48,6 +51,13 @@ void writeConverted(const ConvertArguments& arguments, Mesh& mesh) {
                                                        .format = arguments.format.output});
   writeMesh(arguments.output, mesh, options);
   printWritten(arguments.output, options);
+}
+
+/// Writes a mesh, or its positions in double precision if it rounds some.
+void writeConverted(const ConvertArguments& arguments, Mesh& mesh, std::vector<glm::dvec3> exact) {
+  if (exact.empty()) return writeConvertedMesh(arguments, mesh);
+  DoubleMesh precise{std::move(exact), std::move(mesh.triangles)};
+  writeConvertedMesh(arguments, precise);
 }
 
 /// Warns of what the file's format has no place for: arrays besides the first, and the grid.
@@ -153,9 +163,10 @@ void run(ConvertArguments& arguments) {
   inputs.insert(inputs.end(), arguments.others.begin(), arguments.others.end());
   if (!arguments.mayOverwrite) checkInputs(outputs, inputs);
   if (inputs.size() > 1) return joinBands(arguments, inputs);
-  auto read = loadMeshFieldOrBand(arguments.input, arguments.format.input, arguments.format.grid);
+  std::vector<glm::dvec3> exact;
+  auto read = loadMeshFieldOrBand(arguments.input, arguments.format.input, arguments.format.grid, &exact);
   if (Mesh* mesh = std::get_if<Mesh>(&read))
-    writeConverted(arguments, *mesh);
+    writeConverted(arguments, *mesh, std::move(exact));
   else if (Field* field = std::get_if<Field>(&read))
     writeConverted(arguments, *field);
   else
@@ -174,7 +185,9 @@ void addConvert(CLI::App& app) {
       ->add_option("files", arguments->others,
                    "File to write, in place of --output; with it, level sets to write into the same file")
       ->type_name("FILE...");
-  addOption(*command, "--output", arguments->output);
+  addOutput(*command, arguments->output,
+            "File to write. Of a field: " + alternatives(fieldExtensions()) +
+                ". Of a mesh: " + alternatives(writableMeshExtensions()));
   addOption(*command, "--format", arguments->format.given);
   addOption(*command, "--grid", arguments->format.grid);
   addOption(*command, "--grid-name", arguments->gridName);

@@ -16,7 +16,7 @@ void addExample(CLI::App& app) {
   CLI::App* command =
       app.add_subcommand("example", "Write an example mesh as .ply: a globe of 95,000 triangles");
   const auto arguments = std::make_shared<Arguments>();
-  addOption(*command, "--output", arguments->mesh)->required();
+  addOutput(*command, arguments->mesh, "Mesh to write", {".ply"})->required();
   addOption(*command, "--holes", arguments->holes);
   command->footer("Example:\n  raymap example -o torn.ply --holes");
   command->callback([arguments] {

@@ -48,6 +48,13 @@ FieldArray heldArray(const Field& field) {
   return heldArrays(field).front();
 }
 
+void requireDistances(const std::filesystem::path& path, const Field& field) {
+  if (!field.distance.empty()) return;
+  throw Error(ErrorCode::Usage, path.string() + ": it holds the array '" +
+                                    std::string(name(heldArray(field))) +
+                                    "', and no distances, which are needed here");
+}
+
 FieldArray chooseArray(const std::filesystem::path& path, const std::string& as, Field& field) {
   const FieldArray held = heldArray(field);
   if (as.empty()) return held;

@@ -36,7 +36,9 @@ void addSpacingOptions(CLI::App& command, GridOptions& grid) {
 
 void addGridOptions(CLI::App& command, FieldArguments& arguments) {
   addSpacingOptions(command, arguments.grid);
-  addOption(command, "--shape", arguments.shape)->excludes(command.get_option("--resolution"));
+  addOption(command, "--shape", arguments.shape)
+      ->excludes(command.get_option("--resolution"))
+      ->excludes(addOption(command, "--align", arguments.grid.align));
   addOption(command, "--padding", arguments.grid.padding)
       ->excludes(addOption(command, "--bounds", arguments.bounds));
 }
@@ -111,19 +113,11 @@ Field makeFieldOf(Mesh& mesh, const std::filesystem::path& file, const FieldArgu
     convertUnits(mesh, arguments.units, file);
   else
     convertUnits(mesh, arguments.units, file, result);
+  warnOfLength("--thickness", arguments.options.thickness, bounds(mesh));
   return makeField(mesh, fitGrid(mesh, arguments.grid), arguments);
 }
 
 }  // namespace
-
-Field loadField(const std::filesystem::path& path, const FieldArguments& arguments, const std::string& format,
-                const std::filesystem::path& result) {
-  std::variant<Mesh, Field> read = loadMeshOrField(path, format);
-  if (Mesh* mesh = std::get_if<Mesh>(&read))
-    return makeFieldOf(*mesh, named(path, format), arguments, result);
-  convertUnits(std::get<Field>(read), arguments.units, named(path, format));
-  return std::get<Field>(std::move(read));
-}
 
 std::variant<Field, SparseField> loadFieldOrBand(const std::filesystem::path& path,
                                                  const FieldArguments& arguments, const std::string& format,

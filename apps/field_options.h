@@ -49,11 +49,9 @@ std::vector<std::string> meshAndFieldExtensions();
 /// Makes the field of a mesh on a grid.
 Field makeField(const Mesh& mesh, const Grid& grid, const FieldArguments& arguments);
 
-/// Reads a field, or reads a mesh and makes its field. `format` counts if the file's name does not tell.
-/// A mesh is turned to the axis that is up in the file to write, `result`, if there is one.
-Field loadField(const std::filesystem::path& path, const FieldArguments& arguments, const std::string& format,
-                const std::filesystem::path& result = {});
-/// Does the same, but reads a large level set as a narrow band. `grid` names the one to read.
+/// Reads a field, or reads a mesh and makes its field. A large level set is read as a narrow band. `format`
+/// counts if the file's name does not tell, and `grid` names the grid to read. A mesh is turned to the axis
+/// that is up in the file to write, `result`, if there is one.
 std::variant<Field, SparseField> loadFieldOrBand(const std::filesystem::path& path,
                                                  const FieldArguments& arguments, const std::string& format,
                                                  const std::string& grid,

@@ -106,7 +106,7 @@ void writeAll(const GenerateArguments& arguments, const Field& field, Report& re
                {.array = array,
                 .format = arguments.format.output,
                 .gridName = array == FieldArray::Distance ? std::string_view(arguments.gridName) : "",
-                .half = arguments.half && isWritten(arguments, path, {".vdb", ".nvdb"})});
+                .half = arguments.half && isWritten(arguments, path, {".npy", ".npz", ".vdb", ".nvdb"})});
     report.written.push_back(path);
   };
   write(arguments.field, FieldArray::Distance);
@@ -173,6 +173,15 @@ void printGrid(const Grid& grid) {
               counted(grid.sampleCount(), "sample").c_str(), grid.spacing);
 }
 
+/// Prints where the mesh leaves the sign open, if it does anywhere.
+void printSign(const GenerateArguments& arguments, const Stats& stats) {
+  if (stats.doubtfulShare == 0.0) return;
+  std::printf("sign: estimated at %.3g %% of the samples, which see holes or contradicting faces%s\n",
+              100.0 * stats.doubtfulShare,
+              arguments.confidence.empty() ? "; --confidence FILE writes how certain it is" : "");
+  if (isVerbose()) std::printf("  their six rays disagree\n");
+}
+
 void print(const GenerateArguments& arguments, const Report& report) {
   if (report.found.triangles == 0) {
     std::printf("%s: no triangles, so the field is far everywhere\n", displayName(arguments.mesh).c_str());
@@ -185,12 +194,11 @@ void print(const GenerateArguments& arguments, const Report& report) {
               counted(report.found.triangles, "triangle").c_str(), size.x, size.y, size.z,
               describeDefects(report.found, std::nullopt).c_str());
   printGrid(report.grid);
-  std::printf("%s", describeTimes(report.steps(), report.elapsedMilliseconds).c_str());
+  if (isVerbose()) std::printf("%s", describeTimes(report.steps(), report.elapsedMilliseconds).c_str());
   std::printf("field: %.1f ms on %s, peak memory %s", report.stats.milliseconds, report.stats.device.c_str(),
               sizeText(peakMemory()).c_str());
-  if (arguments.options.sign != SignMode::None)
-    std::printf(", six rays disagree at %.3g %% of the samples", 100.0 * report.stats.doubtfulShare);
   std::printf("\n");
+  printSign(arguments, report.stats);
   printOrientation(report.stats);
   if (report.stats.patchTriangles > 0)
     std::printf("closed holes: %s, area %.4g\n", counted(report.stats.patchTriangles, "triangle").c_str(),
@@ -380,7 +388,8 @@ void makeSlabs(const GenerateArguments& arguments, const Mesh& mesh, Report& rep
 /// Makes a field of all samples, or writes it slab by slab if it does not fit into memory.
 void makeDense(const GenerateArguments& arguments, const Mesh& mesh, Generator& generator, Field& field,
                Report& report, const MachineOptions& machine) {
-  const bool mayBeSlabs = !mesh.triangles.empty() && isOfSurface(arguments) && arguments.report.empty() &&
+  const bool mayBeSlabs = !arguments.half && !mesh.triangles.empty() && isOfSurface(arguments) &&
+                          arguments.report.empty() &&
                           std::ranges::all_of(slabFiles(arguments), [&](const SlabFile& file) {
                             return isWritten(arguments, file.path, slabExtensions());
                           });
@@ -431,6 +440,7 @@ void makeOne(const GenerateArguments& arguments) {
   Field field;
   timeStep(report.before, "load",
            [&] { mesh = loadMesh(arguments.mesh, arguments.format.input, arguments.units, true); });
+  warnOfLength("--thickness", arguments.options.thickness, bounds(mesh));
   make(arguments, mesh, {}, "", generator, field, report, nullptr);
   report.elapsedMilliseconds = millisecondsSince(start);
   print(arguments, report);
@@ -493,10 +503,13 @@ void makeFrames(const GenerateArguments& arguments) {
 void run(GenerateArguments& arguments) {
   finishOptions(arguments);
   prepareFiles(arguments.format, {{arguments.mesh, meshExtensions()}}, outputs(arguments));
-  const char* const option = arguments.half ? "--half" : arguments.gridName.empty() ? nullptr : "--grid-name";
-  if (option && !isWritten(arguments, arguments.field, {".vdb", ".nvdb"}))
-    throw Error(ErrorCode::Usage, std::string(option) + " is for a .vdb or .nvdb, and " +
-                                      displayName(arguments.field) + " is none; leave it out");
+  if (!arguments.gridName.empty() && !isWritten(arguments, arguments.field, {".vdb", ".nvdb"}))
+    throw Error(ErrorCode::Usage, "--grid-name is for a .vdb or .nvdb, and " + displayName(arguments.field) +
+                                      " is none; leave it out");
+  if (arguments.half && isWritten(arguments, arguments.field, {".nrrd", ".vti"}))
+    throw Error(ErrorCode::Usage,
+                "--half is for a .vdb, .nvdb, .npy or .npz, and " + displayName(arguments.field) +
+                    " is none: its format has no type for numbers of 16 bits; leave it out");
   if (!arguments.mayOverwrite) checkInputs(outputs(arguments), {arguments.mesh, arguments.offsets});
   testBeforeFirstUse(arguments.machine.device);
   if (arguments.frames.frames.empty())
@@ -506,7 +519,7 @@ void run(GenerateArguments& arguments) {
 }
 
 void addOutputOptions(CLI::App& command, GenerateArguments& arguments) {
-  addOption(command, "--output", arguments.field)->required();
+  addOutput(command, arguments.field, "Field to write", fieldExtensions())->required();
   addOption(command, "--format", arguments.format.given);
   addOption(command, "--triangle-ids", arguments.triangleIds);
   addOption(command, "--winding", arguments.winding);

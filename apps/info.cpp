@@ -43,11 +43,17 @@ void print(const std::vector<Hole>& holes) {
 }
 
 void print(const std::optional<SelfIntersections>& crossings) {
-  std::string text = "not counted (--fast)";
-  if (crossings)
-    text = (crossings->complete ? "" : "at least ") + grouped(crossings->pairs) + ", of " +
-           counted(crossings->faces.size(), "face");
-  std::printf("%-24s %s\n", "crossing pairs of faces", text.c_str());
+  const auto print = [&](const char* name, size_t pairs, size_t faces) {
+    const std::string text =
+        (crossings->complete ? "" : "at least ") + grouped(pairs) + ", of " + counted(faces, "face");
+    std::printf("%-24s %s\n", name, text.c_str());
+  };
+  if (!crossings) {
+    std::printf("%-24s %s\n", "crossing pairs of faces", "not counted (--fast)");
+    return;
+  }
+  print("crossing pairs of faces", crossings->pairs, crossings->faces.size());
+  print("overlapping in one plane", crossings->coplanarPairs, crossings->coplanarFaces.size());
 }
 
 void print(const Diagnostics& found, const std::optional<SelfIntersections>& crossings,
@@ -64,6 +70,7 @@ void print(const Diagnostics& found, const std::optional<SelfIntersections>& cro
   count("triangles", found.triangles);
   count("vertices", found.vertices);
   count("distinct positions", found.weldedVertices);
+  if (found.farVertices > 0) count("far vertices", found.farVertices);
   vector("bounds, lowest", found.bounds.min);
   vector("bounds, highest", found.bounds.max);
   vector("size", found.bounds.size());
@@ -114,7 +121,8 @@ void inspectMesh(const Mesh& mesh, const InfoArguments& arguments) {
   const std::optional<LengthUnit> unit = unitOf(arguments);
   if (!arguments.isJson) {
     print(found, crossings, unit);
-    std::printf("\n%s", describe(verdict, found, crossings, arguments.input).c_str());
+    std::printf("\n%s",
+                describe(verdict, found, crossings, mesh, arguments.input, arguments.machine).c_str());
     return;
   }
   std::cout << textOf(toJson(verdict, found, crossings, unit));

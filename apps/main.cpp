@@ -49,7 +49,7 @@ constexpr const char* kMainFooter = R"(Try it:
 Exit codes: 0 success, 2 invalid option, 3 invalid content of a file, 4 a file cannot be read or written,
 5 not enough memory, 6 cancelled, 7 not supported by this build or machine, 8 the GPU stopped answering,
 9 a GPU failed its test, 10 the GPU has no memory left, 11 check found a bad mesh, 1 a bug in raymap,
-130 or 143 stopped by Ctrl-C or SIGTERM, 129 or 152 stopped by SIGHUP or SIGXCPU.)";
+130 or 143 stopped by Ctrl-C or SIGTERM, 141 by a closed pipe, 129 or 152 stopped by SIGHUP or SIGXCPU.)";
 
 int fail(int code, const std::string& message) {
   printError(message);
@@ -136,6 +136,7 @@ int main(int argc, char** argv) {
   try {
     return run(argc, argv);
   } catch (const Error& error) {
+    endIfReaderEnded(error);
     const bool isStopped = error.code() == ErrorCode::Cancelled && caughtSignal() != 0;
     return fail(isStopped ? 128 + caughtSignal() : exitCodeOf(error.code()), error.what());
   } catch (const std::bad_alloc&) {

@@ -11,6 +11,7 @@
 #include "options.h"
 #include "report.h"
 #include "terminal.h"
+#include "usage.h"
 
 namespace raymap {
 
@@ -34,6 +35,11 @@ Options optionsOf(const CLI::App& command) {
 /// Returns the names without their commas, as a shell lists them: "-o --output".
 std::string listed(const OptionRow& row) {
   return CLI::detail::find_and_replace(shownNames(row), ",", "");
+}
+
+/// Returns the help of an option in a command: that of `--output` differs.
+std::string helpIn(const CLI::App& command, const OptionRow& row) {
+  return command.get_option(CLI::detail::split(row.name, ',').back())->get_description();
 }
 
 std::string choicesOf(const OptionRow& row) {
@@ -76,7 +82,7 @@ std::string completionForZsh(const CLI::App& app) {
     options += "  " + command->get_name() + ")\n    _arguments '*:file:_files' \\\n";
     for (const OptionRow* row : optionsOf(*command))
       for (const std::string& name : CLI::detail::split_up(listed(*row))) {
-        options += "      '" + name + "[" + quotable(helpOf(*row)) + "]";
+        options += "      '" + name + "[" + quotable(helpIn(*command, *row)) + "]";
         const std::string choices = choicesOf(*row);
         if (*row->value != '\0')
           options += ":" + quotable(row->value) + ":" + (choices.empty() ? "_files" : "(" + choices + ")");
@@ -104,7 +110,7 @@ std::string completionForFish(const CLI::App& app) {
         text += " -x -a '" + choices + "'";
       else if (*row->value != '\0')
         text += " -r";
-      text += " -d '" + quotable(helpOf(*row)) + "'\n";
+      text += " -d '" + quotable(helpIn(*command, *row)) + "'\n";
     }
   }
   return text;
@@ -118,10 +124,25 @@ std::string roff(std::string text) {
   return CLI::detail::find_and_replace(text, "\n'", "\n\\&'").substr(1);
 }
 
+/// Returns paragraphs, and lines with blanks before them as they are.
+std::string roffOfFooter(const std::string& footer) {
+  std::string text;
+  for (const auto& [indent, line] : footerLines(footer))
+    if (indent > 0)
+      text += ".nf\n" + std::string(indent, ' ') + roff(line) + "\n.fi\n";
+    else
+      text += line.empty() ? ".PP\n" : roff(line) + "\n";
+  return text;
+}
+
+std::string nameOfPage(const CLI::App& app, const CLI::App& command) {
+  return &app == &command ? "raymap" : "raymap-" + command.get_name();
+}
+
 /// Returns the man page of the program, or of a command.
 std::string manPage(const CLI::App& app, const CLI::App& command) {
   const bool isProgram = &app == &command;
-  const std::string name = isProgram ? "raymap" : "raymap-" + command.get_name();
+  const std::string name = nameOfPage(app, command);
   std::string text = ".TH " + CLI::detail::find_and_replace(name, "-", "\\-") + " 1 \"\" \"raymap " +
                      version().text + "\"\n.SH NAME\n" + roff(name) + " \\- " +
                      roff(command.get_description()) + "\n.SH SYNOPSIS\n.B " +
@@ -136,8 +157,9 @@ std::string manPage(const CLI::App& app, const CLI::App& command) {
     if (option->get_positional())
       text += ".TP\n.I " + option->get_type_name() + "\n" + roff(option->get_description()) + "\n";
   for (const OptionRow* row : optionsOf(command))
-    text += ".TP\n.B " + roff(shownNames(*row) + " " + row->value) + "\n" + roff(helpOf(*row)) + "\n";
-  return text + ".SH NOTES\n.nf\n" + roff(command.get_footer()) + "\n.fi\n";
+    text +=
+        ".TP\n.B " + roff(allSpellings(*row) + " " + row->value) + "\n" + roff(helpIn(command, *row)) + "\n";
+  return text + ".SH NOTES\n" + roffOfFooter(command.get_footer());
 }
 
 /// Returns the options over the commands, as docs/cli.md has them.
@@ -193,20 +215,26 @@ void runManual(const CLI::App& app, const ManualArguments& arguments) {
     if (command->get_name() == arguments.what) page = command;
   if (page == nullptr)
     throw Error(ErrorCode::Usage, "there is no command " + arguments.what + "; see raymap --help");
-  write(arguments, manPage(app, *page));
+  if (!std::filesystem::is_directory(arguments.output)) return write(arguments, manPage(app, *page));
+  std::vector<const CLI::App*> pages{page};
+  if (page == &app)
+    for (const CLI::App* command : commandsIn(app)) pages.push_back(command);
+  silenceText();
+  for (const CLI::App* each : pages)
+    write({.output = arguments.output / (nameOfPage(app, *each) + ".1")}, manPage(app, *each));
 }
 
 }  // namespace
 
 void addCompletion(CLI::App& app) {
   CLI::App* command =
-      app.add_subcommand("completion", "Print a script by which a shell completes commands and options");
+      app.add_subcommand("completion", "Print a shell completion script for commands and options");
   const auto arguments = std::make_shared<ManualArguments>();
   command->add_option("shell", arguments->what, "Shell: bash, zsh or fish")
       ->type_name("SHELL")
       ->transform(oneOf({"bash", "zsh", "fish"}))
       ->required();
-  addOption(*command, "--output", arguments->output);
+  addOutput(*command, arguments->output, "Script to write; without it, it is printed");
   command->footer(
       "Examples:\n  source <(raymap completion bash)\n  raymap completion zsh -o ~/.zfunc/_raymap\n"
       "  raymap completion fish -o ~/.config/fish/completions/raymap.fish");
@@ -222,9 +250,11 @@ void addManual(CLI::App& app) {
   CLI::App* command = app.add_subcommand("manual", "Print the man page of the program, or of a command");
   const auto arguments = std::make_shared<ManualArguments>();
   command->add_option("command", arguments->what, "Command to describe")->type_name("COMMAND");
-  addOption(*command, "--output", arguments->output);
+  addOutput(*command, arguments->output,
+            "Page to write; without it, it is printed. In a folder it is raymap.1 or raymap-COMMAND.1, and "
+            "without COMMAND all pages are written there");
   addOption(*command, "--table", arguments->isTable);
-  command->footer("Example:\n  raymap manual repair | man -l -");
+  command->footer("Examples:\n  raymap manual repair | man -l -\n  raymap manual -o man/man1");
   command->callback([&app, arguments] { runManual(app, *arguments); });
 }
 

@@ -6,6 +6,7 @@
 
 #include "checks.h"
 #include "commands.h"
+#include "field_array.h"
 #include "field_options.h"
 #include "mesh_output.h"
 #include "mesh_units.h"
@@ -76,6 +77,7 @@ void run(MeshArguments& arguments) {
   checkMeshUnits(arguments.units, output);
   const auto field =
       loadFieldOrBand(arguments.input, arguments, arguments.format.input, arguments.format.grid, output);
+  if (const Field* dense = std::get_if<Field>(&field)) requireDistances(arguments.input, *dense);
   Simplified surface = std::visit([&](const auto& each) { return makeSurface(each, arguments); }, field);
   const Grid grid = std::visit([](const auto& each) { return each.grid; }, field);
   const StoredMesh stored =
@@ -103,7 +105,7 @@ void addMesh(CLI::App& app) {
   command->add_option("input", arguments->input, "Field or mesh to read")
       ->type_name("FIELD|MESH")
       ->required();
-  addOption(*command, "--output", arguments->mesh)->required();
+  addOutput(*command, arguments->mesh, "Mesh to write", writableMeshExtensions())->required();
   addOption(*command, "--format", arguments->format.given);
   addOption(*command, "--grid", arguments->format.grid);
   addOption(*command, "--overwrite", arguments->mayOverwrite);

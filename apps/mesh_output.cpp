@@ -7,6 +7,8 @@
 #include <cmath>
 #include <cstdio>
 
+#include "checks.h"
+#include "mesh_units.h"
 #include "repair_report.h"
 #include "terminal.h"
 #include "warnings.h"
@@ -45,20 +47,25 @@ bool holds(const Diagnostics& found, const Diagnostics& exact) {
   return (isSound(found) || !isSound(exact)) && found.weldedVertices >= exact.weldedVertices;
 }
 
-/// Returns other formats that hold the mesh, as "a .ply, .obj or .glb".
-std::string formatsThatHold(const StoredMesh& mesh, const Diagnostics& exact) {
+/// Returns other formats that hold the mesh with at most so many pairs of faces that cross, as ".ply or
+/// .obj".
+std::string formatsThatHold(const StoredMesh& mesh, const Diagnostics& exact, size_t crossing) {
   std::vector<std::string> fit;
-  for (const std::string& extension : writableMeshExtensions()) {
-    const Mesh stored = asStored("mesh" + extension, mesh.exact, mesh.options);
-    if (holds(diagnose(stored, {.brief = true}), exact)) fit.push_back(extension);
-  }
-  std::string list;
-  for (size_t i = 0; i < fit.size(); ++i) list += (i == 0 ? "" : i + 1 < fit.size() ? ", " : " or ") + fit[i];
-  return list;
+  const auto add = [&](const std::string& extension) {
+    if (hasExtension(named(mesh.path, std::string(mesh.options.format)), {extension})) return;
+    MeshWriteOptions options = mesh.options;
+    options.format = {};
+    const Mesh stored = asStored("mesh" + extension, mesh.exact, options);
+    if (holds(diagnose(stored, {.brief = true}), exact) && findSelfIntersections(stored).pairs <= crossing)
+      fit.push_back(extension);
+  };
+  for (const std::string& extension : writableMeshExtensions()) add(extension);
+  return alternatives(fit);
 }
 
-[[noreturn]] void fail(const StoredMesh& mesh, const Diagnostics& exact, const std::string& what) {
-  const std::string formats = formatsThatHold(mesh, exact);
+[[noreturn]] void fail(const StoredMesh& mesh, const Diagnostics& exact, size_t crossing,
+                       const std::string& what) {
+  const std::string formats = formatsThatHold(mesh, exact, crossing);
   throw Error(ErrorCode::Unsupported,
               mesh.path.string() + ": the precision of this format breaks the mesh so far from (0, 0, 0): " +
                   what + "; " + (formats.empty() ? "no format holds it there" : "write a " + formats) +
@@ -67,7 +74,7 @@ std::string formatsThatHold(const StoredMesh& mesh, const Diagnostics& exact) {
 
 }  // namespace
 
-MeshWriteOptions writeOptions(const Mesh& mesh, const StoreOptions& options) {
+MeshWriteOptions writeOptions(const MeshView& mesh, const StoreOptions& options) {
   return {.offset = options.recenter ? roundCentre(bounds(mesh)) : glm::dvec3(0.0),
           .unit = options.unit,
           .format = options.format,
@@ -86,7 +93,7 @@ void checkStored(const StoredMesh& mesh) {
   if (isSound(found) && found.weldedVertices == found.vertices) return;
   const Diagnostics exact = diagnose(mesh.exact, {.brief = true});
   if (holds(found, exact)) return;
-  fail(mesh, exact,
+  fail(mesh, exact, findSelfIntersections(mesh.exact).pairs,
        grouped(exact.weldedVertices - found.weldedVertices) + " of " +
            counted(exact.weldedVertices, "position") + " coincide with others and " +
            counted(found.degenerateFaces, "face") + " of " + grouped(found.triangles) + " have no area");
@@ -96,7 +103,7 @@ void checkCrossing(const StoredMesh& mesh, size_t crossing) {
   if (crossing == 0 || !isRounded(mesh)) return;
   const size_t before = findSelfIntersections(mesh.exact).pairs;
   if (crossing > before)
-    fail(mesh, diagnose(mesh.exact, {.brief = true}),
+    fail(mesh, diagnose(mesh.exact, {.brief = true}), before,
          counted(crossing, "pair") + " of faces cross instead of " + grouped(before));
 }
 

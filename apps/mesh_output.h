@@ -25,7 +25,7 @@ struct StoreOptions {
 
 /// Returns how to write a mesh. Its offset is of whole multiples of a power of ten, so that people can type
 /// it.
-MeshWriteOptions writeOptions(const Mesh& mesh, const StoreOptions& options);
+MeshWriteOptions writeOptions(const MeshView& mesh, const StoreOptions& options);
 
 /// Rounds a mesh as the file will.
 StoredMesh storeMesh(const std::filesystem::path& path, Mesh mesh, const StoreOptions& options);

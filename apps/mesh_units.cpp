@@ -30,6 +30,13 @@ std::optional<LengthUnit> unitNamed(const std::string& name) {
   return std::nullopt;
 }
 
+/// Returns "inches (in)".
+std::string longName(LengthUnit unit) {
+  constexpr std::array kNames{"micrometres", "millimetres", "centimetres", "metres", "inches", "feet"};
+  const auto* row = std::ranges::find(kUnits, unit, &std::pair<const char*, LengthUnit>::second);
+  return std::string(kNames[size_t(row - kUnits.begin())]) + " (" + row->first + ")";
+}
+
 /// Returns the unit of the numbers of a file, if it is known.
 std::optional<LengthUnit> sourceOf(const MeshUnits& units, const std::filesystem::path& path) {
   return units.from.empty() ? meshUnit(path) : unitNamed(units.from);
@@ -63,7 +70,7 @@ double factorFor(const MeshUnits& units, const std::filesystem::path& path) {
   if (!units.to.empty())
     throw Error(ErrorCode::Usage, "--to " + units.to + ": " + displayName(path) +
                                       " does not state its unit; add --from and the unit of its numbers");
-  printNote(displayName(path) + " does not state its unit: its numbers are taken to be in " + units.unit +
+  printNote(displayName(path) + " does not state its unit: its numbers are taken as " + longName(*to) +
             ", and stay; --from U --to " + units.unit + " converts them from U");
   return units.scale;
 }
@@ -105,12 +112,21 @@ glm::dmat3 rotationBy(const glm::dvec3& degrees) {
   return result;
 }
 
-void turn(Mesh& mesh, const glm::dmat3& rotation) {
-  for (glm::vec3& vertex : mesh.vertices) vertex = glm::vec3(rotation * glm::dvec3(vertex));
+/// Sets each vertex to `change` of it in double precision.
+template <class AnyMesh, class Change>
+void changeVertices(AnyMesh& mesh, Change&& change) {
+  using Vertex = typename decltype(mesh.vertices)::value_type;
+  for (Vertex& vertex : mesh.vertices) vertex = Vertex(change(glm::dvec3(vertex)));
+}
+
+template <class AnyMesh>
+void turn(AnyMesh& mesh, const glm::dmat3& rotation) {
+  changeVertices(mesh, [&](const glm::dvec3& vertex) { return rotation * vertex; });
   mesh.origin = rotation * mesh.origin;
 }
 
-void scale(Mesh& mesh, double factor, const MeshUnits& units) {
+template <class AnyMesh>
+void scale(AnyMesh& mesh, double factor, const MeshUnits& units) {
   const glm::dvec3 size = bounds(mesh).size();
   const double before = std::max({size.x, size.y, size.z}), after = before * factor;
   const glm::dvec3 origin = mesh.origin * factor;
@@ -119,7 +135,7 @@ void scale(Mesh& mesh, double factor, const MeshUnits& units) {
     throw Error(ErrorCode::Usage, "--scale " + CLI::detail::to_string(units.scale) +
                                       ": the mesh becomes too " + (isFinite ? "small" : "large") +
                                       " for single precision");
-  for (glm::vec3& vertex : mesh.vertices) vertex = glm::vec3(glm::dvec3(vertex) * factor);
+  changeVertices(mesh, [&](const glm::dvec3& vertex) { return vertex * factor; });
   mesh.origin = origin;
 }
 
@@ -156,6 +172,18 @@ void checkMeshUnits(const MeshUnits& units, const std::filesystem::path& result)
     throw Error(ErrorCode::Usage, "--up: must be a direction, not 0 0 0");
 }
 
+void warnOfLength(const char* option, double length, const Box& shape) {
+  const glm::dvec3 size = shape.size();
+  const double longest = std::max({size.x, size.y, size.z});
+  if (longest <= 0.0 || length <= longest) return;
+  std::array<char, 200> text{};
+  std::snprintf(text.data(), text.size(),
+                "%s %g is more than the longest side of the whole shape, %.4g; is the unit right? "
+                "(--from U --to V converts what is read)",
+                option, length, longest);
+  printWarning(text.data());
+}
+
 std::optional<LengthUnit> unitOf(const MeshUnits& units, const std::filesystem::path& mesh) {
   const std::string& to = targetOf(units);
   return to.empty() ? sourceOf(units, mesh) : unitNamed(to);
@@ -169,17 +197,37 @@ glm::dvec3 downIn(const std::filesystem::path& result) {
   return hasExtension(result, {".glb"}) ? glm::dvec3(0, -1, 0) : glm::dvec3(0, 0, -1);
 }
 
-void convertUnits(Mesh& mesh, const MeshUnits& units, const std::filesystem::path& from) {
+namespace {
+
+template <class AnyMesh>
+void convertMesh(AnyMesh& mesh, const MeshUnits& units, const std::filesystem::path& from) {
   if (!units.rotate.empty()) turn(mesh, rotationBy(vectorOf(units.rotate)));
   if (const double factor = factorFor(units, from); factor != 1.0) scale(mesh, factor, units);
   if (!units.translate.empty()) mesh.origin += vectorOf(units.translate);
 }
 
-void convertUnits(Mesh& mesh, const MeshUnits& units, const std::filesystem::path& from,
-                  const std::filesystem::path& result) {
+template <class AnyMesh>
+void convertMesh(AnyMesh& mesh, const MeshUnits& units, const std::filesystem::path& from,
+                 const std::filesystem::path& result) {
   warnOfUnit(units, from, result);
   if (!units.up.empty()) turn(mesh, rotationTo(glm::normalize(vectorOf(units.up)), -downIn(result)));
-  convertUnits(mesh, units, from);
+  convertMesh(mesh, units, from);
+}
+
+}  // namespace
+
+void convertUnits(Mesh& mesh, const MeshUnits& units, const std::filesystem::path& from) {
+  convertMesh(mesh, units, from);
+}
+
+void convertUnits(Mesh& mesh, const MeshUnits& units, const std::filesystem::path& from,
+                  const std::filesystem::path& result) {
+  convertMesh(mesh, units, from, result);
+}
+
+void convertUnits(DoubleMesh& mesh, const MeshUnits& units, const std::filesystem::path& from,
+                  const std::filesystem::path& result) {
+  convertMesh(mesh, units, from, result);
 }
 
 namespace {

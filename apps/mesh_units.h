@@ -13,7 +13,7 @@
 
 namespace raymap {
 
-/// What the numbers of a file mean, and where the mesh lies. Vectors are empty if they are not given.
+/// Units of the numbers of a file, and where the mesh lies. Vectors are empty if they are not given.
 struct MeshUnits {
   std::string from;  ///< Unit of the file's numbers; empty: the one that its format has.
   std::string to;    ///< Unit of all lengths, for a file whose unit is known; empty: that of the file.
@@ -37,7 +37,7 @@ void addMeshFileOptions(CLI::App& command, Arguments& arguments) {
   command.add_option("mesh", arguments.mesh, "Mesh to read: OBJ, PLY, STL, OFF, glTF, GLB, 3MF, FBX or DAE")
       ->type_name("MESH")
       ->required();
-  addOption(command, "--output", arguments.result)->required();
+  addOutput(command, arguments.result, "Mesh to write", writableMeshExtensions())->required();
   addOption(command, "--format", arguments.format.given);
   addFigureOptions(command, arguments.stats);
   addOption(command, "--overwrite", arguments.mayOverwrite);
@@ -50,6 +50,9 @@ std::vector<std::string> unitNames();
 /// Throws `Error(Usage)` if the options contradict the file to write.
 void checkMeshUnits(const MeshUnits& units, const std::filesystem::path& result);
 
+/// Warns of a length of an option that exceeds the whole shape: its unit is probably another one.
+void warnOfLength(const char* option, double length, const Box& shape);
+
 /// Returns the unit of the lengths of the converted mesh, if it is known.
 std::optional<LengthUnit> unitOf(const MeshUnits& units, const std::filesystem::path& mesh);
 
@@ -59,12 +62,23 @@ LengthUnit writtenUnit(const MeshUnits& units, const std::filesystem::path& mesh
 /// Returns the direction down in a file to write: y is up in a .glb, else z.
 glm::dvec3 downIn(const std::filesystem::path& result);
 
+/// A mesh in double precision.
+struct DoubleMesh {
+  std::vector<glm::dvec3> vertices;
+  std::vector<glm::uvec3> triangles;
+  glm::dvec3 origin{0.0};
+
+  operator MeshView() const { return {vertices, triangles, origin}; }
+};
+
 /// Turns, scales and moves a mesh, in this order. Throws `Error(Usage)` if `to` is given and the unit of the
 /// file is not known.
 void convertUnits(Mesh& mesh, const MeshUnits& units, const std::filesystem::path& from);
 /// Turns it to the axis that is up in the file to write, too. Warns if that format's unit is another one than
 /// the mesh's.
 void convertUnits(Mesh& mesh, const MeshUnits& units, const std::filesystem::path& from,
+                  const std::filesystem::path& result);
+void convertUnits(DoubleMesh& mesh, const MeshUnits& units, const std::filesystem::path& from,
                   const std::filesystem::path& result);
 /// Scales and moves a field. Throws `Error(Usage)` if the options would turn it, or as above.
 void convertUnits(Field& field, const MeshUnits& units, const std::filesystem::path& from);

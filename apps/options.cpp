@@ -41,19 +41,17 @@ using enum Takes;
 
 constexpr OptionRow kRows[] = {
     {"-o,--output", "--out", "Files", File, "FILE", "",
-     "File to write; its name ends in the format. A field: .vdb, .nvdb, .nrrd, .npz, .vti or .npy (without "
-     "its grid). A mesh: .ply, .obj, .stl, .glb or .3mf. Points: .csv, .npy, .npz or .ply. A picture: .png; "
-     "of --frames, also .mp4. A page: .html"},
+     "File to write"},  // Each command says more; see addOutput.
     {"--format", "", "Files", Text, "FORMAT", "",
-     "Format of - or of any file whose name does not end in it, e.g. stl; of the output, if that is such "
-     "a file. An input without it is recognised by its first bytes"},
+     "Format of a file whose name does not end in it, such as -: of the output, or else of the inputs. "
+     "Without it, an input is recognised by its first bytes"},
     {"--grid-name", "", "Files", Text, "NAME", "that of the array",
      "Name of the grid in a .vdb or .nvdb to write: Houdini looks for surface"},
     {"--grid", "", "Files", Text, "NAME", "the first level set",
-     "Name of the grid to read from a .vdb or .nvdb; of two fields, from both"},
+     "Name of the grid to read from a .vdb or .nvdb, or from both of two"},
     {"--half", "", "Files", Nothing, "", "",
-     "Store the numbers in 16 bits, at half the size: in a .vdb to a thousandth of themselves, in a .nvdb "
-     "to 1/65535 of the band's width or the largest distance"},
+     "Store the numbers in 16 bits, at half the size: in a .vdb, .npy or .npz to a thousandth of themselves, "
+     "in a .nvdb to 1/65535 of the band's width or the largest distance"},
     {"--overwrite", "-f,--force", "Files", Nothing, "", "", "Allow an output to replace an input"},
     {"--triangle-ids", "", "Files", File, "FILE", "",
      "Also write the index of each sample's closest triangle"},
@@ -67,43 +65,49 @@ constexpr OptionRow kRows[] = {
      "Also draw the mesh with its defects in colour, as .png"},
     {"--picture", "", "Files", File, "FILE", "",
      "Also draw the mesh as .png: edges with one face red, with more than two violet; faces that cross "
-     "others orange, flipped faces blue, duplicates yellow, double-sided ones green. Of a field: its "
-     "surface"},
+     "others orange, flipped faces blue, duplicates yellow, double-sided ones green. A field is drawn as "
+     "its surface"},
 
     {"--frames", "", "Frames", Text, "FIRST:LAST[:STEP]", "",
-     "Make one result for each of these frames, LAST included, on one grid: of an animated .gltf or .glb, or "
-     "of files whose names hold the number of the frame, as %04d. The names of results hold it too"},
+     "Make one result for each of these frames, LAST included, on one grid. The input is an animated .gltf "
+     "or .glb, or numbered files. The names of results, and of such files, hold the frame's number as %04d, "
+     "$F4 or ####"},
     {"--fps", "", "Frames", AboveZero, "N", "24", "Frames per second: frame K shows the time K / N"},
+    {"--start-frame", "", "Frames", Count, "K", "0", "Frame of an animation that shows the time 0"},
     {"--clip", "", "Frames", Text, "CLIP", "the first",
      "Animation to show: its name, or its number in the file, from 0 on"},
 
     {"--unit", "--units", "Units", Choice, "UNIT", "",
-     "Unit of all lengths, also of these options: um, mm, cm, m, in or ft. A 3MF, glTF or DAE is "
-     "converted to it; the numbers of other files are taken to be in it, without --from. A .3mf states it",
+     "Unit of all lengths, these options included: um, mm, cm, m, in or ft. A 3MF, glTF or DAE is "
+     "converted to it. Other formats have no unit: their numbers are assumed to be in UNIT unless --from "
+     "is given. A .3mf records UNIT",
      unitNames},
     {"--from", "", "Units", Choice, "UNIT", "the one that the file's format has",
-     "Unit of the numbers in the file that is read", unitNames},
+     "Unit of the numbers in the input", unitNames},
     {"--to", "", "Units", Choice, "UNIT", "that of the file",
-     "Unit of all lengths, also of these options, to which what is read is converted", unitNames},
-    {"--scale", "", "Units", AboveZero, "FACTOR", "1", "Multiply what is read by this factor"},
-    {"--rotate", "", "Units", Vector, "X Y Z", "", "Turn the mesh by these degrees about x, then y, then z"},
-    {"--translate", "", "Units", Vector, "X Y Z", "", "Move what is read by these lengths, after all else"},
+     "Unit to convert the input to, and of all lengths, these options included", unitNames},
+    {"--scale", "", "Units", AboveZero, "FACTOR", "1", "Multiply the input by this factor"},
+    {"--rotate", "", "Units", Vector, "X Y Z", "",
+     "Rotate the mesh by these degrees about x, then y, then z"},
+    {"--translate", "", "Units", Vector, "X Y Z", "", "Move the input by these lengths, after all else"},
     {"--up", "", "Units", Direction, "DIRECTION", "",
-     "Direction that is up in what is read: x, y, z, -x, -y, -z or three numbers. A mesh to write is "
-     "turned to z up, a .glb to y up; without this option it is not turned. A picture shows it upright; "
-     "without this option z is up in a .stl or .3mf, y in all else"},
+     "Direction that is up in the input: x, y, z, -x, -y, -z or three numbers. A mesh to write is rotated "
+     "to z up, a .glb to y up; without this option it is not rotated. A picture shows it upright; without "
+     "this option z is up in a .stl or .3mf, y in all else"},
     {"--recenter", "--recentre,--center,--centre", "Units", Nothing, "", "",
      "Move the mesh to about (0, 0, 0) in the file, for formats that lose digits far from it; the offset "
      "is printed, and noted in the file"},
 
     {"--resolution", "-r,--res", "Grid", Natural, "N",
-     "128; 256 in render, whose results people look at; in repair chosen by the thinnest part",
-     "Samples along the longest side"},
+     "128; 256 in render; in repair chosen by the thinnest part", "Samples along the longest side"},
     {"--voxel-size", "--voxel,--spacing", "Grid", AboveZero, "LENGTH", "",
      "Distance between samples, instead of --resolution"},
     {"--shape", "--dims", "Grid", Triple, "NX NY NZ", "",
-     "Number of samples along x, y and z, instead of --resolution, for fields that can be stacked: in the "
-     "smallest cells that hold the box, or with --voxel-size in cells of that size about its centre"},
+     "Number of samples along x, y and z, instead of --resolution, for fields that can be stacked. Cells are "
+     "the smallest that cover the box; with --voxel-size they have that size, about the box's centre"},
+    {"--align", "", "Grid", Nothing, "", "",
+     "Begin the grid at multiples of 8 times the distance between samples, so that level sets of one "
+     "--voxel-size can be combined"},
     {"--bounds", "--bbox,--box", "Grid", Corners, "X0 Y0 Z0 X1 Y1 Z1", "the mesh's bounds, padded",
      "Box to cover"},
     {"--padding", "--pad,--margin", "Grid", FromZero, "SHARE", "0.1",
@@ -131,16 +135,17 @@ constexpr OptionRow kRows[] = {
     {"--band", "", "Method", FromZero, "SAMPLES", "0",
      "Clamp distances to this many samples; 0 does not clamp"},
     {"--close-holes", "!--no-close-holes,--fill-holes,!--no-fill-holes", "Method", Nothing, "",
-     "yes in mesh and repair, which make solids; no in generate, which measures the mesh as it is",
-     "Also measure distances to the surface missing in holes, placed where the winding number crosses the "
-     "threshold. A mesh that is made without it is closed in steps as large as samples"},
+     "yes in mesh and repair, no in generate and view",
+     "Also measure distances to the surface that is missing in holes. Without it, a mesh is closed there in "
+     "steps as large as samples"},
     {"--thickness", "", "Method", AboveZero, "LENGTH", "",
      "Make a solid of this thickness around the surface instead of a sign: for sheets"},
     {"--invert", "", "Method", Nothing, "", "", "Make inside positive and outside negative"},
     {"--allow-empty", "", "Method", Nothing, "", "",
      "Accept a mesh without triangles, in the box of --bounds. Its field is far everywhere: at --band, or at "
      "the largest float"},
-    {"--unsigned", "", "Method", Nothing, "", "", "Compute no sign: faster, for surfaces without an inside"},
+    {"--unsigned", "", "Method", Nothing, "", "",
+     "Compute no sign, which is faster: for surfaces without an inside"},
     {"--iso", "", "Method", Number, "LENGTH", "0", "Distance at which the surface lies"},
 
     {"--tolerance", "", "Shape", FromZero, "LENGTH",
@@ -155,7 +160,7 @@ constexpr OptionRow kRows[] = {
      "Distance to move the surface outwards; negative: inwards"},
     {"--shell", "--hollow,--wall", "Shape", AboveZero, "LENGTH", "",
      "Hollow the solid out, leaving walls this thick"},
-    {"--min-thickness", "", "Shape", FromZero, "LENGTH", "1.75 samples, the least that none is lost",
+    {"--min-thickness", "", "Shape", FromZero, "LENGTH", "what the grid needs to lose none of them",
      "Make walls, fins and sheets that are thinner this thick, at least two samples; 0: lose what the "
      "samples miss"},
     {"--drain-hole", "", "Shape", AboveZero, "LENGTH", "",
@@ -167,12 +172,16 @@ constexpr OptionRow kRows[] = {
     {"--down", "", "Shape", Direction, "DIRECTION", "-z; with --up in a .glb, -y", "Direction of down"},
     {"--drop-smaller", "", "Parts", FromZero, "VOLUME", "a thousandth of the largest part's volume",
      "Drop parts that enclose less than this volume, in the mesh's units cubed; 0 keeps all"},
+    {"--base", "--floor", "Shape", Number, "Z", "",
+     "Join the rim of an open surface, such as a terrain, by walls to a flat base at this height, below all "
+     "of "
+     "it"},
     {"--keep-cavities", "", "Parts", Nothing, "", "", "Do not fill sealed cavities"},
     {"--remesh", "", "Parts", Nothing, "", "",
-     "Make the mesh anew even if its faces can be kept, because nothing is wrong with it but small holes"},
+     "Make all faces from the field, even if those of the mesh could be kept"},
 
     {"--arrays", "", "Results", List, "NAME,...", "distance",
-     "Arrays to compute; of a field, distance and gradient", queryArrayNames},
+     "Arrays to compute. A field has distance and gradient", queryArrayNames},
     {"--max-distance", "", "Results", AboveZero, "LENGTH", "",
      "Farther points get this distance and no closest point"},
     {"--colour", "--color", "Results", Nothing, "", "",
@@ -205,7 +214,7 @@ constexpr OptionRow kRows[] = {
     {"--slice", "", "Picture", Choice, "AXIS", "",
      "Draw a map of the slice across this axis, x, y or z, instead of the surface", axes},
     {"--index", "", "Picture", Count, "N", "the middle one", "Index of the slice, in samples"},
-    {"--as", "", "Picture", Choice, "ARRAY", "what the file says it holds; a .npy of floats holds distances",
+    {"--as", "", "Picture", Choice, "ARRAY", "the array that the file names; distances for floats in a .npy",
      "Array to show: distance, winding, confidence or triangle", namesOf<FieldArray>},
     {"--range", "", "Picture", AboveZero, "LENGTH", "the spacing",
      "Least difference of two shapes that has the deepest colour"},
@@ -230,7 +239,7 @@ constexpr OptionRow kRows[] = {
      "Most memory to use, e.g. 2GB"},
     {"-q,--quiet", "", "Text", Nothing, "", "", "Print no text but warnings and errors"},
     {"-v,--verbose", "", "Text", Nothing, "", "",
-     "Print each stage on stderr as it begins, with the seconds so far"},
+     "Print each stage on stderr as it begins, with the seconds so far, and in the end figures for experts"},
     {"--progress", "", "Text", Choice, "STYLE", "a moving line on a terminal, else a line a minute",
      "Progress on stderr: plain, a line a minute; json, an object a line; or off", progressStyleNames},
 };
@@ -415,6 +424,15 @@ std::string shownNames(const OptionRow& row) {
   return CLI::detail::find_and_replace(shown, ",", ", ");
 }
 
+std::string allSpellings(const OptionRow& row) {
+  std::vector<std::string> spellings = CLI::detail::split(detail::allNames(row), ',');
+  for (std::string& each : spellings)
+    if (each.starts_with('!')) each.erase(0, 1);
+  std::stable_partition(spellings.begin(), spellings.end(),
+                        [](const std::string& each) { return !each.starts_with("--"); });
+  return CLI::detail::join(spellings, ", ");
+}
+
 std::string helpOf(const OptionRow& row) {
   return std::string(row.help) +
          (row.fallback[0] == '\0' ? "" : std::string(" (default ") + row.fallback + ")");
@@ -436,6 +454,12 @@ CLI::Validator oneOf(std::vector<std::string> choices) {
             return {};
           },
           ""};
+}
+
+CLI::Option* addOutput(CLI::App& command, std::filesystem::path& path, const std::string& what,
+                       const std::vector<std::string>& extensions) {
+  return addOption(command, "--output", path)
+      ->description(what + (extensions.empty() ? "" : ": " + alternatives(extensions)));
 }
 
 void addTextOptions(CLI::App& command) {

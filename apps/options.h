@@ -11,7 +11,7 @@
 
 namespace raymap {
 
-/// What an option takes.
+/// Kinds of values of an option.
 enum class Takes : uint8_t {
   Nothing,
   File,
@@ -58,6 +58,9 @@ int valueCount(Takes takes);
 /// Returns "--close-holes, --no-close-holes" or "-o, --output".
 std::string shownNames(const OptionRow& row);
 
+/// Returns all spellings, short ones first: "-r, --resolution, --res".
+std::string allSpellings(const OptionRow& row);
+
 /// Returns the help with the default at its end.
 std::string helpOf(const OptionRow& row);
 
@@ -89,6 +92,10 @@ CLI::Option* addOption(CLI::App& command, const char* name, Value& value) {
     return detail::describe(command.add_option(detail::allNames(row), value), row);
   }
 }
+
+/// Adds `--output`, with what this command writes there: "Mesh to write: .ply, .obj or .stl".
+CLI::Option* addOutput(CLI::App& command, std::filesystem::path& path, const std::string& what,
+                       const std::vector<std::string>& extensions = {});
 
 /// Adds the options for the text that a command prints, which every command has.
 void addTextOptions(CLI::App& command);

@@ -10,6 +10,7 @@
 
 #include "checks.h"
 #include "commands.h"
+#include "field_array.h"
 #include "field_options.h"
 #include "options.h"
 #include "query_arrays.h"
@@ -51,6 +52,7 @@ struct Report {
   size_t triangles = 0, points = 0, notFinite = 0;
   Grid grid;           ///< Grid of the field; empty for a mesh.
   size_t outside = 0;  ///< Number of points outside of it.
+  size_t clamped = 0;  ///< Number of points in it that get a distance to which the field is clamped.
   Stats surface;
   size_t surfaceBytes = 0;
   std::vector<Stats::Stage> before, after;  ///< Steps of the command before and after the surface's stages.
@@ -103,7 +105,7 @@ void check(QueryArguments& arguments, const QueryOptions& asked) {
 }
 
 std::vector<glm::dvec3> loadPoints(const fs::path& path, const std::string& format) {
-  const WaitingLine line("reading " + displayName(path.filename()));
+  const WaitingLine line("reading " + briefName(path));
   return readPoints(path, {.format = format, .warn = warn});
 }
 
@@ -190,7 +192,8 @@ Json describe(const QueryArguments& arguments, const Report& report) {
              {{"file", arguments.points.string()},
               {"count", report.points},
               {"non_finite", report.notFinite},
-              {"outside", report.outside}}},
+              {"outside", report.outside},
+              {"clamped", report.clamped}}},
             {"options", {{"arrays", arguments.arrays}, {"threads", arguments.machine.threads}}},
             {"steps", toJson(report.steps())},
             {"peak_memory_bytes", peakMemory()}};
@@ -207,9 +210,11 @@ void print(const QueryArguments& arguments, const Report& report, double elapsed
   std::printf("%s: %s", displayName(arguments.points).c_str(), counted(report.points, "point").c_str());
   if (report.notFinite > 0) std::printf(", %s not finite", grouped(report.notFinite).c_str());
   std::printf("\n");
-  std::printf("%s", describeTimes(report.steps(), elapsedMilliseconds).c_str());
-  if (!isField) std::printf("surface: %s, ", sizeText(report.surfaceBytes).c_str());
-  std::printf("peak memory %s\n", sizeText(peakMemory()).c_str());
+  if (isVerbose()) {
+    std::printf("%s", describeTimes(report.steps(), elapsedMilliseconds).c_str());
+    if (!isField) std::printf("prepared mesh: %s\n", sizeText(report.surfaceBytes).c_str());
+  }
+  std::printf("time: %.2f s, peak memory %s\n", elapsedMilliseconds / 1000.0, sizeText(peakMemory()).c_str());
   if (report.known > 0) {
     std::printf("distance: %.4g to %.4g", report.least, report.most);
     if (!arguments.isUnsigned) std::printf(", %s inside", counted(report.inside, "point").c_str());
@@ -287,15 +292,52 @@ bool isIn(const Grid& grid, const glm::dvec3& point) {
          glm::all(glm::lessThanEqual(p, glm::dvec3(grid.dims - 1)));
 }
 
+/// Distances to which a field is clamped on both sides of the surface.
+struct Clamps {
+  double outside, inside;
+};
+
+Clamps clampsOf(const Field& field) {
+  return {field.clampDistance, field.clampDistance};
+}
+Clamps clampsOf(const SparseField& band) {
+  return {band.outside, band.inside};
+}
+
+/// Returns whether a distance is one to which the field is clamped, but for rounding.
+bool isClamped(double distance, const Clamps& clamps) {
+  constexpr double kRounding = 1e-6;
+  const double clamp = distance < 0.0 ? clamps.inside : clamps.outside;
+  return clamp > 0.0 && std::isfinite(clamp) && std::abs(std::abs(distance) - clamp) <= kRounding * clamp;
+}
+
 /// Counts the points outside of the grid, and the distances of the others: those outside are bounds.
-void count(const Grid& grid, std::span<const glm::dvec3> points, const Samples& samples, Report& report) {
+void count(const Grid& grid, const Clamps& clamps, std::span<const glm::dvec3> points, const Samples& samples,
+           Report& report) {
   std::vector<float> distances;
   for (size_t i = 0; i < points.size(); ++i)
     if (isIn(grid, points[i]))
       distances.push_back(samples.distance[i]);
     else
       report.outside += isFinite(points[i]) ? 1 : 0;
+  report.clamped = static_cast<size_t>(
+      std::ranges::count_if(distances, [&](double distance) { return isClamped(distance, clamps); }));
   count(points, distances, report);
+}
+
+/// Warns of distances that the field does not hold.
+void warnOfBounds(const QueryArguments& arguments, const Report& report) {
+  const auto warnOf = [&](size_t count, const char* one, const char* several, const char* rest) {
+    if (count > 0)
+      printWarning(displayName(arguments.points) + ": " + grouped(count) + " of " +
+                   counted(report.points, "point") + (count == 1 ? one : several) + rest);
+  };
+  warnOf(report.outside, " lies", " lie",
+         " outside of the grid; their distances are lower bounds, and their gradients lead away from it");
+  warnOf(
+      report.clamped, " is", " are",
+      " beyond the distance to which the field is clamped; their distances are lower bounds. A field with a "
+      "wider band, or the mesh itself, has the true ones");
 }
 
 template <class AnyField>
@@ -308,17 +350,13 @@ void queryField(const AnyField& field, const QueryArguments& arguments, std::spa
   timeStep(report.after, "query", [&] {
     sample(field, points, {.gradients = isAsked(arguments, kGradient)}, samples, arguments.machine);
   });
-  count(field.grid, points, samples, report);
+  count(field.grid, clampsOf(field), points, samples, report);
   if (!isAsked(arguments, "distance")) samples.distance = {};
   timeStep(report.after, "write", [&] {
     const WaitingLine line("writing " + displayName(arguments.results));
     writeSamples(arguments.results, points, samples, writing(arguments));
   });
-  if (report.outside > 0)
-    printWarning(
-        displayName(arguments.points) + ": " + grouped(report.outside) + " of " +
-        counted(points.size(), "point") + (report.outside == 1 ? " lies" : " lie") +
-        " outside of the grid; their distances are lower bounds, and their gradients lead away from it");
+  warnOfBounds(arguments, report);
   if (!arguments.stats.empty()) writeJson(arguments.stats, describe(arguments, report));
 }
 
@@ -335,17 +373,19 @@ void run(QueryArguments& arguments) {
   });
   timeStep(report.before, "load points",
            [&] { points = loadPoints(arguments.points, arguments.format.input); });
-  if (const Mesh* mesh = std::get_if<Mesh>(&input))
+  if (const Mesh* mesh = std::get_if<Mesh>(&input)) {
     queryMesh(*mesh, arguments, asked, points, report);
-  else if (const Field* field = std::get_if<Field>(&input))
+  } else if (const Field* field = std::get_if<Field>(&input)) {
+    requireDistances(arguments.input, *field);
     queryField(*field, arguments, points, report);
-  else
+  } else {
     queryField(std::get<SparseField>(input), arguments, points, report);
+  }
   print(arguments, report, millisecondsSince(start));
 }
 
 void addResultOptions(CLI::App& command, QueryArguments& arguments) {
-  addOption(command, "--output", arguments.results)->required();
+  addOutput(command, arguments.results, "Results to write", queryExtensions())->required();
   addOption(command, "--format", arguments.format.given);
   addOption(command, "--grid", arguments.format.grid);
   addFigureOptions(command, arguments.stats);

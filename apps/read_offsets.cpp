@@ -31,7 +31,8 @@ std::vector<glm::ivec3> readOffsets(const std::filesystem::path& path) {
       const char* const end = word.data() + word.size();
       const auto [next, error] = std::from_chars(word.data(), end, numbers.emplace_back());
       if (error != std::errc() || next != end)
-        refuseLine(path, line, "'" + word + "' is not a whole number of 32 bits");
+        refuseLine(path, line,
+                   "number " + std::to_string(numbers.size()) + " is not a whole number of 32 bits");
     }
     if (numbers.empty()) continue;
     if (numbers.size() != 3) refuseLine(path, line, std::to_string(numbers.size()) + " numbers");

@@ -61,6 +61,14 @@ void finishOptions(RenderArguments& arguments) {
   arguments.options.triangle = arguments.as == "triangle";
 }
 
+/// Warns of walls thicker than the shape.
+template <class AnyField>
+void warnOfShell(const AnyField& field, const RenderArguments& arguments) {
+  const Grid& grid = field.grid;
+  const Box all{grid.origin, grid.position(glm::dvec3(grid.dims - 1))};
+  warnOfLength("--shell", arguments.view.shell, field.surfaceBounds.isEmpty() ? all : field.surfaceBounds);
+}
+
 /// Draws a field or a narrow band, in colours that tell the difference from another one, if there is one.
 template <class AnyField>
 Picture draw(const AnyField& field, FieldArray array, const RenderArguments& arguments,
@@ -160,7 +168,7 @@ Grid gridOfBoth(const MeshFieldOrBand& first, const MeshFieldOrBand& second, con
     if (const Field* field = std::get_if<Field>(each)) return field->grid;
     if (const SparseField* band = std::get_if<SparseField>(each)) return band->grid;
   }
-  const Box box = bounds(std::get<Mesh>(first)), more = bounds(std::get<Mesh>(second));
+  const Box box = gridBounds(std::get<Mesh>(first)), more = gridBounds(std::get<Mesh>(second));
   return fitGrid(Box{glm::min(box.min, more.min), glm::max(box.max, more.max)}, options);
 }
 
@@ -259,14 +267,15 @@ void renderPage(RenderArguments& arguments) {
   const auto isBand = [](const MeshFieldOrBand& shape) { return std::holds_alternative<SparseField>(shape); };
   if (isBand(first) || (second && isBand(*second))) grid = pageGrid(grid, arguments.page.maxSize);
   FieldOrBand field = fieldOrBandOf(first, grid, arguments);
+  std::visit([&](const auto& each) { warnOfShell(each, arguments); }, field);
   arguments.page.array = arrayOf(field, arguments);
   std::optional<FieldOrBand> other;
   if (second) other = fieldOrBandOf(*second, grid, arguments);
   FieldOrBand* beside = other ? &*other : nullptr;
   arguments.page.other = std::get_if<Field>(beside);
   arguments.page.otherBand = std::get_if<SparseField>(beside);
-  arguments.page.title = displayName(arguments.input.filename());
-  arguments.page.otherTitle = displayName(arguments.other.filename());
+  arguments.page.title = briefName(arguments.input);
+  arguments.page.otherTitle = briefName(arguments.other);
   testBeforeFirstUse(arguments.machine.device);
   ProgressLine line;
   const MachineOptions machine = withProgress(arguments.machine, line);
@@ -285,13 +294,14 @@ void renderOne(RenderArguments& arguments) {
   if (!arguments.other.empty()) return renderOneOfTwo(arguments);
   auto shape = loadFieldOrBand(arguments.input, arguments, arguments.format.input, arguments.format.grid, {});
   const auto drawAny = [&](auto& field) {
+    warnOfShell(field, arguments);
     return draw(field, chooseArray(arguments.input, arguments.as, field), arguments);
   };
   writePng(arguments.picture, std::visit(drawAny, shape));
   printWritten(arguments.picture);
 }
 
-/// Returns the formats that the output may have. What has no name is a picture, unless --format says
+/// Returns the formats that the output may have. A pipe gets a picture, unless --format says
 /// otherwise.
 std::vector<std::string> kindsOf(const RenderArguments& arguments) {
   const bool isSequence = !arguments.frames.frames.empty();
@@ -327,7 +337,9 @@ void addRender(CLI::App& app) {
       ->type_name("MESH|FIELD")
       ->required();
   command->add_option("other", arguments->other, "Another one to compare with")->type_name("MESH|FIELD");
-  addOption(*command, "--output", arguments->picture)->required();
+  addOutput(*command, arguments->picture,
+            "Picture to write: .png; or a page: .html; of --frames, also a movie: .mp4")
+      ->required();
   addOption(*command, "--format", arguments->format.given);
   addOption(*command, "--grid", arguments->format.grid);
   addOption(*command, "--overwrite", arguments->mayOverwrite);

@@ -1,5 +1,6 @@
 #include <raymap/raymap.h>
 
+#include <cmath>
 #include <cstdio>
 #include <ostream>
 #include <utility>
@@ -13,6 +14,7 @@
 #include "options.h"
 #include "repair_report.h"
 #include "terminal.h"
+#include "verdict.h"
 #include "warnings.h"
 
 namespace raymap {
@@ -25,11 +27,19 @@ constexpr const char* kRepairFooter = R"(Examples:
   raymap repair bust.obj -o bust.stl --shell 2 --drain-hole 4    (hollow, walls 2 thick, a hole 4 wide)
   raymap repair bust.obj -o bust.stl --shell 2 --drain-hole 4 --drain-holes 2    (a vent, too)
   raymap repair car.obj -o car.stl --min-thickness 0.8           (nothing is thinner, sheets become plates)
+  raymap repair terrain.stl -o block.stl --base -5               (walls and a flat base at z = -5)
   raymap repair part.stl -o part.3mf --unit in                   (its numbers are inches)
   raymap repair car.glb -o car.stl --unit mm --up y              (from metres, y up, to millimetres, z up)
 
 All lengths are in the mesh's units, or in those that --unit names. The program measures and prints how far the
 result deviates from the mesh.)";
+
+void warnOfLengths(const RepairOptions& repair, const Box& shape) {
+  warnOfLength("--shell", repair.shell, shape);
+  warnOfLength("--drain-hole", repair.drainHole, shape);
+  warnOfLength("--min-thickness", repair.minThickness.value_or(0.0), shape);
+  warnOfLength("--offset", std::abs(repair.offset), shape);
+}
 
 /// Prints a text before the work goes on.
 void printNow(const std::string& text, ProgressLine& line) {
@@ -51,6 +61,12 @@ RepairReport makeSolid(const Mesh& mesh, const RepairGrid& grid, const RepairArg
     result = std::move(stored.stored);
   };
   MachineOptions machine = withProgress(arguments.machine, line);
+  machine.warn = [&, warnElse = machine.warn](const Warning& warning) {
+    if (warning.code != WarningCode::Sheet) return warnElse(warning);
+    line.clear();
+    printWarning(warning.message + " (" + thickenCommand(warning.fields.length, arguments.mesh) +
+                 "; or --base Z)");
+  };
   std::string notice = whyItTakesLong(grid);
   machine.progress = [&, report = machine.progress](std::string_view stage, double done) {
     // A mesh that only the first stage sees is kept as it is.
@@ -80,6 +96,7 @@ void run(RepairArguments& arguments) {
   Mesh mesh;
   timeStep(steps, "load", [&] { mesh = loadMesh(arguments.mesh, arguments.format.input); });
   convertUnits(mesh, arguments.units, input, output);
+  warnOfLengths(arguments.repair, bounds(mesh));
   testBeforeFirstUse(arguments.machine.device);
   RepairGrid grid;
   StoredMesh stored;
@@ -100,8 +117,10 @@ void run(RepairArguments& arguments) {
     writeJson(arguments.stats, describe(arguments, grid, report, steps, stored.options));
   print(arguments, grid, report);
   const Stats::Stage slowest = slowestStep(steps);
-  std::printf("time: %.1f s; the longest step, %s, took %.1f s\n", millisecondsSince(start) / 1000.0,
-              slowest.name.c_str(), slowest.milliseconds / 1000.0);
+  std::printf("time: %.1f s", millisecondsSince(start) / 1000.0);
+  if (isVerbose())
+    std::printf("; the longest step, %s, took %.1f s", slowest.name.c_str(), slowest.milliseconds / 1000.0);
+  std::printf("\n");
   printWritten(stored.path, stored.options);
   if (!arguments.stats.empty()) printWritten(arguments.stats);
 }
@@ -113,6 +132,7 @@ void addShapeOptions(CLI::App& command, RepairArguments& arguments) {
   addOption(command, "--offset", repair.offset);
   CLI::Option* shell = addOption(command, "--shell", repair.shell);
   addOption(command, "--min-thickness", repair.minThickness);
+  addOption(command, "--base", repair.base);
   CLI::Option* hole = addOption(command, "--drain-hole", repair.drainHole)->needs(shell);
   addOption(command, "--drain-holes", repair.drainHoles)->needs(hole);
   addOption(command, "--down", arguments.down)->needs(hole);

@@ -64,15 +64,44 @@ void print(const SimplifyReport& simplified) {
                 simplified.tolerance);
 }
 
+/// Returns what is wrong with how the parts of a mesh lie; nothing if that is right or not known.
+const char* describe(Arrangement arrangement) {
+  switch (arrangement) {
+    case Arrangement::Overlapping:
+      return "parts of it overlap";
+    case Arrangement::Touching:
+      return "parts of it touch";
+    case Arrangement::Misnested:
+      return "parts of it face the wrong way: solids in solids, or cavities outside of solids";
+    default:
+      return "";
+  }
+}
+
+/// Prints what was mended before anything else, and how the other faces are.
+void printMended(const RepairReport& report, const std::optional<double>& base) {
+  const size_t turned = report.kept ? report.stats.turnedFaces.size() : 0;
+  std::string words;
+  if (turned > 0) words += "reversed " + counted(turned, "face");
+  if (report.closingFaces > 0 && !base)
+    words += (words.empty() ? "" : ", ") + ("closed " + counted(report.closedHoles, "hole")) + " with " +
+             counted(report.closingFaces, "face");
+  if (base) {
+    std::array<char, 64> text{};
+    std::snprintf(text.data(), text.size(), "joined the rim to a base at %g with ", *base);
+    words += (words.empty() ? "" : ", ") + (text.data() + counted(report.closingFaces, "face"));
+  }
+  if (!words.empty())
+    std::printf(
+        "%s%s\n", words.c_str(),
+        report.kept ? ", all other faces kept as they are; --remesh makes all faces from the field" : "");
+}
+
 void printKept(const RepairReport& report) {
   if (report.simplified.tolerance > 0.0)
-    std::printf(
-        "its own faces are simplified, as nothing else is wrong with it; to make it anew: --remesh\n");
-  else if (report.closedHoles == 0)
-    std::printf("kept as it is, because nothing is wrong with it; to make it anew: --remesh\n");
-  else
-    std::printf("closed %s with %s, all other faces kept as they are; to make them anew: --remesh\n",
-                counted(report.closedHoles, "hole").c_str(), counted(report.closingFaces, "face").c_str());
+    std::printf("its own faces are simplified, as nothing else is wrong with it; --remesh makes new ones\n");
+  else if (report.closingFaces == 0 && report.stats.turnedFaces.empty())
+    std::printf("kept as it is, because nothing is wrong with it; --remesh makes new faces\n");
 }
 
 }  // namespace
@@ -96,6 +125,7 @@ Json describe(const RepairArguments& arguments, const Grid& grid, const RepairRe
               {"drain_hole", arguments.repair.drainHole},
               {"drain_holes", arguments.repair.drainHoles},
               {"keep_cavities", arguments.repair.keepCavities},
+              {"base", arguments.repair.base ? Json(*arguments.repair.base) : Json()},
               {"min_thickness", report.leastThickness},
               {"tolerance", report.simplified.tolerance},
               {"triangles", arguments.repair.triangles},
@@ -114,8 +144,9 @@ void print(const RepairArguments& arguments, const RepairGrid& grid, const Repai
   std::printf("%s: %s, wrong with it: %s\n", displayName(arguments.mesh).c_str(),
               counted(report.before.triangles, "triangle").c_str(),
               describeDefects(report.before, report.crossingBefore).c_str());
-  if (report.partsOverlap)
-    std::printf("  parts of it overlap, touch, or are nested without being cavities\n");
+  if (const char* const arrangement = describe(report.arrangementBefore); *arrangement != '\0')
+    std::printf("  %s\n", arrangement);
+  printMended(report, arguments.repair.base);
   if (report.kept)
     printKept(report);
   else
@@ -137,9 +168,9 @@ void print(const RepairArguments& arguments, const RepairGrid& grid, const Repai
   print("mesh from result", report.ofMesh, grid.spacing);
   if (report.lostShare > 0.0) print("  of it what is kept", report.ofKept, grid.spacing);
   if (const size_t turned = report.stats.turnedFaces.size(); turned > 0)
-    std::printf("  %-22s %s\n", "turned", counted(turned, "face").c_str());
+    std::printf("  %-22s %s that pointed the wrong way\n", "reversed", counted(turned, "face").c_str());
   if (const size_t leftOut = report.stats.leftOutFaces.size(); leftOut > 0)
-    std::printf("  %-22s %s left out\n", "double-sided", counted(leftOut, "other side").c_str());
+    std::printf("  %-22s %s with the corners of another\n", "left out", counted(leftOut, "face").c_str());
   if (report.stats.patchTriangles > 0)
     std::printf("  %-22s area %.4g\n", "closed holes", report.stats.patchArea);
   printShare(report.buriedShare, "of the mesh lies inside the solid, and is not part of its surface");

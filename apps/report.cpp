@@ -15,11 +15,12 @@
 namespace raymap {
 
 std::string describeDefects(const Diagnostics& found, const std::optional<SelfIntersections>& crossings) {
-  const std::array<std::pair<size_t, const char*>, 6> defects{
+  const std::array<std::pair<size_t, const char*>, 7> defects{
       {{found.boundaryEdges, "boundary edge"},
        {found.nonManifoldEdges, "non-manifold edge"},
        {found.flippedEdges, "flipped edge"},
        {found.degenerateFaces, "degenerate face"},
+       {found.farVertices, "far point"},
        {found.duplicateFaces, "duplicate face"},
        {found.doubleSidedFaces, "double-sided face"}}};
   std::string text;
@@ -97,11 +98,11 @@ std::string whyItTakesLong(const RepairGrid& grid) {
 void printOrientation(const Stats& stats) {
   const size_t turned = stats.turnedFaces.size(), leftOut = stats.leftOutFaces.size();
   if (leftOut > 0)
-    std::printf("orientation: double-sided faces bound a solid; %s left out\n",
-                counted(leftOut, "other side").c_str());
+    std::printf("orientation: left out %s with the corners of another\n", counted(leftOut, "face").c_str());
   if (turned > 0)
-    std::printf("orientation: turned %s; misfit of the crossings %.3g as given, %.3g now\n",
-                counted(turned, "face").c_str(), stats.misfitGiven, stats.misfit);
+    std::printf("orientation: reversed %s that pointed the wrong way\n", counted(turned, "face").c_str());
+  if (turned > 0 && isVerbose())
+    std::printf("  misfit of the crossings: %.3g as given, %.3g now\n", stats.misfitGiven, stats.misfit);
 }
 
 void writeJson(const std::filesystem::path& path, const Json& json) {

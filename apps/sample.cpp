@@ -95,7 +95,7 @@ void addSample(CLI::App& app) {
       app.add_subcommand("sample", "Choose points near a mesh with signed distances, to train networks");
   const auto arguments = std::make_shared<SampleArguments>();
   command->add_option("mesh", arguments->mesh, "Mesh to choose points of")->type_name("MESH")->required();
-  addOption(*command, "--output", arguments->samples)->required();
+  addOutput(*command, arguments->samples, "Points to write", sampleExtensions())->required();
   addOption(*command, "--format", arguments->format.given);
   addFigureOptions(*command, arguments->stats);
   addOption(*command, "--overwrite", arguments->mayOverwrite);

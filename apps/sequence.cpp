@@ -3,8 +3,12 @@
 #include <raymap/error.h>
 #include <raymap/io.h>
 
+#include <array>
 #include <charconv>
 #include <cmath>
+#include <regex>
+#include <string>
+#include <vector>
 
 #include "checks.h"
 #include "field_array.h"
@@ -19,7 +23,7 @@ namespace {
 namespace fs = std::filesystem;
 
 Box shapeBounds(const Mesh& mesh) {
-  return bounds(mesh);
+  return gridBounds(mesh);
 }
 
 /// Returns the bounds of the surface; of the grid, if the file does not tell them.
@@ -33,51 +37,91 @@ Box shapeBounds(const Field& field) {
 void addFrameOptions(CLI::App& command, FrameArguments& arguments) {
   CLI::Option* frames = addOption(command, "--frames", arguments.frames);
   addOption(command, "--fps", arguments.fps)->needs(frames);
+  addOption(command, "--start-frame", arguments.start)->needs(frames);
   addOption(command, "--clip", arguments.clip)->needs(frames);
 }
 
+namespace {
+
+/// Place of the frame number in a name.
+struct Place {
+  size_t begin, length, digits;
+};
+
+/// Returns the places of a kind: %d or %04d, $F or $F4, or rows of #.
+std::vector<Place> placesOf(const std::string& name, const std::regex& kind) {
+  std::vector<Place> places;
+  for (auto match = std::sregex_iterator(name.begin(), name.end(), kind); match != std::sregex_iterator();
+       ++match) {
+    const std::string digits = (*match)[1].str();
+    const size_t length = size_t(match->length());
+    places.push_back({size_t(match->position()), length,
+                      digits.empty()     ? 0
+                      : digits[0] == '#' ? length
+                                         : size_t(digits.back() - '0')});
+  }
+  return places;
+}
+
+/// Returns the places in a name. Where it has one of a kind, those of the next kinds are text.
+std::vector<Place> placesOf(const std::string& name) {
+  static const std::array kKinds{std::regex("%(0[0-9])?d"), std::regex("\\$F([1-9])?"), std::regex("(#)#*")};
+  for (const std::regex& kind : kKinds)
+    if (std::vector<Place> places = placesOf(name, kind); !places.empty()) return places;
+  return {};
+}
+
+/// Returns whether a file is named by a pattern.
+bool isNumbered(const fs::path& input) {
+  const std::string name = input.filename().string();
+  return name.find('%') != std::string::npos || (!placesOf(name).empty() && !fs::exists(input));
+}
+
+}  // namespace
+
 fs::path framePath(const fs::path& pattern, int frame) {
   std::string name = pattern.filename().string();
-  const size_t start = name.find('%');
-  const size_t end = start == std::string::npos ? start : name.find('d', start);
-  const std::string width = end == std::string::npos ? "?" : name.substr(start + 1, end - start - 1);
-  const bool isWidth = width.empty() || (width.size() == 2 && width[0] == '0' &&
-                                         std::isdigit(static_cast<unsigned char>(width[1])));
-  if (!isWidth || name.find('%', start + 1) != std::string::npos)
+  const std::vector<Place> places = placesOf(name);
+  const bool isPlain =
+      name.find('%') == std::string::npos || (places.size() == 1 && name[places[0].begin] == '%' &&
+                                              name.find('%', places[0].begin + 1) == std::string::npos);
+  if (places.size() != 1 || !isPlain)
     throw Error(
         ErrorCode::Usage,
-        displayName(pattern) + ": with --frames a name holds the number of the frame once, as %d or %04d" +
+        displayName(pattern) +
+            ": with --frames a name holds the number of the frame once, as %d, %04d, $F4 or ####" +
             (pattern.has_extension() ? ": " + pattern.stem().string() + ".%04d" + pattern.extension().string()
                                      : ""));
+  const auto [begin, length, digits] = places[0];
   std::string number = std::to_string(frame);
-  const size_t digits = width.empty() ? 0 : size_t(width[1] - '0');
   if (number.size() < digits) number.insert(0, digits - number.size(), '0');
-  return pattern.parent_path() / name.replace(start, end - start + 1, number);
+  return pattern.parent_path() / name.replace(begin, length, number);
 }
 
 Sequence::Sequence(const FrameArguments& arguments, const fs::path& input, const std::string& format,
                    const MeshUnits& units, bool allowEmpty, const std::string& grid)
-    : fps_(arguments.fps),
+    : start_(arguments.start),
+      fps_(arguments.fps),
       input_(input),
       format_(format),
       grid_(grid),
       units_(units),
       allowEmpty_(allowEmpty) {
   parse(arguments.frames);
-  const bool isNumbered = input.filename().string().find('%') != std::string::npos;
-  if (!isNumbered && hasExtension(input, {".gltf", ".glb"})) {
+  if (!isNumbered(input) && hasExtension(input, {".gltf", ".glb"})) {
     const WaitingLine line("reading " + displayName(input.filename()));
     animated_ = readAnimatedMesh(input, arguments.clip, {.warn = warn});
     warnOfEnd();
     return;
   }
-  if (!isNumbered)
+  if (!isNumbered(input))
     throw Error(ErrorCode::Usage, displayName(input) +
                                       ": --frames takes an animated .gltf or .glb, or numbered files such "
                                       "as " +
                                       input.stem().string() + ".%04d" + input.extension().string());
-  if (!arguments.clip.empty())
-    throw Error(ErrorCode::Usage, "--clip is for an animated .gltf or .glb; leave it out for numbered files");
+  if (!arguments.clip.empty() || arguments.start != 0)
+    throw Error(ErrorCode::Usage, std::string(arguments.clip.empty() ? "--start-frame" : "--clip") +
+                                      " is for an animated .gltf or .glb; leave it out for numbered files");
   for (size_t i = 0; i < size_; ++i)
     if (!fs::exists(this->input(i)))
       throw Error(ErrorCode::File, displayName(this->input(i)) + ": there is no such file, and --frames " +
@@ -107,7 +151,7 @@ void Sequence::parse(const std::string& frames) {
 }
 
 void Sequence::warnOfEnd() const {
-  const int last = int(std::floor(std::min(animated_->seconds() * fps_, 1e9) + 1e-6));
+  const int last = start_ + int(std::floor(std::min(animated_->seconds() * fps_, 1e9) + 1e-6));
   if (frame(size_ - 1) <= last) return;
   printWarning(displayName(input_) + ": the clip ends with frame " + std::to_string(last) +
                "; later ones keep its last pose");

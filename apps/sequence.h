@@ -17,14 +17,15 @@ namespace raymap {
 struct FrameArguments {
   std::string frames;  ///< FIRST:LAST or FIRST:LAST:STEP; empty: one result.
   double fps = 24.0;
+  int start = 0;  ///< Frame at the time 0.
   std::string clip;
 };
 
-/// Adds `--frames`, `--fps` and `--clip`.
+/// Adds `--frames`, `--fps`, `--start-frame` and `--clip`.
 void addFrameOptions(CLI::App& command, FrameArguments& arguments);
 
-/// Returns the path of one frame: that of `pattern` with the number in the place of %d or %04d. Throws
-/// `Error(Usage)` unless its name has one such place.
+/// Returns the path of one frame: that of `pattern` with the number in the place of %d or %04d, or else of $F
+/// or $F4, or else of #, a digit each. Throws `Error(Usage)` unless its name has one such place.
 std::filesystem::path framePath(const std::filesystem::path& pattern, int frame);
 
 /// The frames of an animated glTF file, or of numbered files.
@@ -54,9 +55,9 @@ class Sequence {
   void parse(const std::string& frames);
   void warnOfEnd() const;
   Mesh pose(size_t i) const;
-  double seconds(size_t i) const { return frame(i) / fps_; }
+  double seconds(size_t i) const { return (frame(i) - start_) / fps_; }
 
-  int first_ = 0, step_ = 1;
+  int first_ = 0, step_ = 1, start_ = 0;
   size_t size_ = 0, seen_ = 0;
   double fps_;
   std::filesystem::path input_;

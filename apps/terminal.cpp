@@ -1,6 +1,7 @@
 #include "terminal.h"
 
 #include <fcntl.h>
+#include <poll.h>
 #include <raymap/atomic_file.h>
 #include <raymap/error.h>
 #include <raymap/io.h>
@@ -10,6 +11,7 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
+#include <cctype>
 #include <cerrno>
 #include <cmath>
 #include <csignal>
@@ -55,12 +57,35 @@ void catchUnlessIgnored(int signal, void (*handler)(int)) {
   if (std::signal(signal, handler) == SIG_IGN) std::signal(signal, SIG_IGN);
 }
 
-std::string dataPath;  // Path of stdout, if that is kept for data.
+std::string dataPath;        // Path of stdout, if that is kept for data.
+int dataFile = -1;           // Its descriptor.
+bool isPipeIgnored = false;  // Whether the program was started to ignore SIGPIPE.
 
 TextLevel textLevel = TextLevel::Normal;
 bool isTextKept = false;
 std::optional<ProgressStyle> askedStyle;
 const auto kStartTime = Clock::now();
+
+/// Ends the program as a closed pipe ends other tools; returns if it was started to ignore that.
+void endByPipe() {
+  if (isPipeIgnored) return;
+  removeTemporaries();
+  std::signal(SIGPIPE, SIG_DFL);
+  std::raise(SIGPIPE);
+}
+
+/// Replaces a path by a name wherever it is a word of its own.
+void rename(std::string& text, const std::string& path, std::string_view name) {
+  const auto isOfWord = [](char c) {
+    return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '/' || c == '_' || c == '.' || c == '-';
+  };
+  for (size_t at = text.find(path); at != std::string::npos; at = text.find(path, at)) {
+    const size_t end = at + path.size();
+    const bool isWord = (at == 0 || !isOfWord(text[at - 1])) && (end == text.size() || !isOfWord(text[end]));
+    if (isWord) text.replace(at, path.size(), name);
+    at += isWord ? name.size() : path.size();
+  }
+}
 
 /// Returns the one printer of the program.
 ProgressPrinter& printer() {
@@ -85,12 +110,25 @@ double secondsBetween(Clock::time_point start, Clock::time_point end) {
   return std::chrono::duration<double>(end - start).count();
 }
 
-/// Returns whether the character at `i` is a control character: one of ASCII, or of U+0080 to U+009F in
-/// UTF-8.
-bool isControl(std::string_view text, size_t i) {
+/// A character of a text in UTF-8, or a byte that is none.
+struct Character {
+  size_t bytes;
+  bool isShown;  ///< Whether it neither commands a terminal, nor turns the text's direction, nor ends a line.
+};
+
+Character firstOf(std::string_view text) {
   const auto byte = [&](size_t k) { return k < text.size() ? static_cast<unsigned char>(text[k]) : 0u; };
-  const bool isHigh = byte(i) == 0xc2 && byte(i + 1) >= 0x80 && byte(i + 1) < 0xa0;
-  return byte(i) < 0x20 || byte(i) == 0x7f || isHigh;
+  const unsigned lead = byte(0);
+  const size_t bytes = lead >= 0xf0 ? 4 : lead >= 0xe0 ? 3 : lead >= 0xc0 ? 2 : 1;
+  uint32_t code = bytes > 1 ? lead & (0xffu >> (bytes + 1)) : lead;
+  for (size_t k = 1; k < bytes; ++k) {
+    if ((byte(k) & 0xc0u) != 0x80) return {1, true};
+    code = code << 6 | (byte(k) & 0x3fu);
+  }
+  const auto isIn = [code](uint32_t first, uint32_t last) { return code >= first && code <= last; };
+  const bool isControl = isIn(0, 0x1f) || isIn(0x7f, 0x9f);
+  const bool isTurn = code == 0x61c || isIn(0x200e, 0x200f) || isIn(0x2028, 0x202e) || isIn(0x2066, 0x2069);
+  return {bytes, !isControl && !isTurn};
 }
 
 void appendEscaped(std::string& text, char byte) {
@@ -102,25 +140,25 @@ void appendEscaped(std::string& text, char byte) {
 /// Fails because a file is of the other kind than a command reads. Names the command that converts it.
 [[noreturn]] void failKind(const std::filesystem::path& path, const std::string& kinds,
                            const std::string& command, const char* extension) {
-  const bool isPipe = path.string().starts_with("/dev/");
-  std::filesystem::path result = isPipe ? "result" : path.filename();
+  std::filesystem::path result = path.string().starts_with("/dev/") ? "result" : path.filename();
   result.replace_extension(extension);
-  throw Error(ErrorCode::Usage,
-              path.string() + ": it is " + kinds + " is needed; this makes one of it: raymap " + command +
-                  " " + (isPipe ? "-" : quoted(path.string())) + " -o " + quoted(result.string()));
+  throw Error(ErrorCode::Usage, path.string() + ": it is " + kinds +
+                                    " is needed; this makes one of it: raymap " + command + " " +
+                                    asArgument(path) + " -o " + quoted(result.string()));
 }
 
 }  // namespace
 
 std::string printable(std::string_view text) {
   std::string result;
-  for (size_t i = 0; i < text.size(); ++i) {
-    if (!isControl(text, i)) {
-      result += text[i];
-      continue;
-    }
-    appendEscaped(result, text[i]);
-    if (text[i] == '\xc2') appendEscaped(result, text[++i]);
+  while (!text.empty()) {
+    const Character first = firstOf(text);
+    for (const char byte : text.substr(0, first.bytes))
+      if (first.isShown)
+        result += byte;
+      else
+        appendEscaped(result, byte);
+    text.remove_prefix(first.bytes);
   }
   return result;
 }
@@ -142,7 +180,7 @@ std::string quoted(const std::string& argument) {
 }
 
 void printWarning(std::string_view message) {
-  printer().interrupt("raymap: warning: " + printable(message));
+  printer().interrupt("raymap: warning: " + withDisplayNames(std::string(message)));
 }
 
 void printError(const std::string& message) {
@@ -150,14 +188,15 @@ void printError(const std::string& message) {
 }
 
 void printNote(const std::string& line) {
-  std::fprintf(isTextKept ? stderr : stdout, "%s\n", printable(line).c_str());
+  std::fprintf(isTextKept ? stderr : stdout, "%s\n", withDisplayNames(line).c_str());
 }
 
 void catchSignals() {
   for (const int signal : {SIGINT, SIGTERM, SIGALRM}) std::signal(signal, onSignal);
   for (const int signal : {SIGHUP, SIGXCPU}) catchUnlessIgnored(signal, onSignal);
   catchUnlessIgnored(SIGQUIT, onQuit);
-  std::signal(SIGPIPE, SIG_IGN);  // Writing to a closed pipe fails, with a message.
+  // Writing to a closed pipe fails; what becomes of it depends on the pipe.
+  isPipeIgnored = std::signal(SIGPIPE, SIG_IGN) == SIG_IGN;
 }
 
 int caughtSignal() {
@@ -289,6 +328,10 @@ void setTextLevel(TextLevel level) {
   textLevel = level;
 }
 
+bool isVerbose() {
+  return textLevel == TextLevel::Verbose;
+}
+
 void keepText() {
   isTextKept = true;
 }
@@ -306,38 +349,57 @@ std::filesystem::path keepStdoutForData() {
   const int data = fcntl(STDOUT_FILENO, F_DUPFD_CLOEXEC, kFirst);
   if (data < 0 || dup2(STDERR_FILENO, STDOUT_FILENO) < 0)
     throw Error(ErrorCode::File, "standard output: cannot write: it is closed");
+  dataFile = data;
   dataPath = "/dev/fd/" + std::to_string(data);
   return dataPath;
 }
 
 std::string displayName(const std::filesystem::path& path) {
-  return dataPath.empty() || path != dataPath ? printable(path.string()) : "standard output";
+  return withDisplayNames(path.string());
+}
+
+std::string briefName(const std::filesystem::path& path) {
+  const std::string name = displayName(path);
+  return name == printable(path.string()) ? printable(path.filename().string()) : name;
+}
+
+std::string asArgument(const std::filesystem::path& path) {
+  return path == "/dev/stdin" ? "-" : quoted(path.string());
 }
 
 std::string withDisplayNames(std::string message) {
-  if (!dataPath.empty() && message.starts_with(dataPath + ":"))
-    message.replace(0, dataPath.size(), "standard output");
+  rename(message, "/dev/stdin", "standard input");
+  rename(message, "/dev/stdout", "standard output");
+  if (!dataPath.empty()) rename(message, dataPath, "standard output");
   return printable(message);
 }
 
 void finishText() {
   if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0) return;
+  const int error = errno;
+  if (error == EPIPE) endByPipe();
   throw Error(ErrorCode::File,
               std::string("standard output: cannot write the text: ") +
-                  (errno == EPIPE ? "the program that reads it has ended" : std::strerror(errno)));
+                  (error == EPIPE ? "the program that reads it has ended" : std::strerror(error)));
+}
+
+void endIfReaderEnded(const Error& error) {
+  if (dataPath.empty() || !std::string_view(error.what()).starts_with(dataPath + ":")) return;
+  pollfd file{.fd = dataFile, .events = 0, .revents = 0};
+  if (poll(&file, 1, 0) == 1 && (file.revents & POLLERR) != 0) endByPipe();
 }
 
 std::variant<Mesh, Field> loadMeshOrField(const std::filesystem::path& path, const std::string& format,
                                           const std::string& grid, bool allowEmpty) {
-  const WaitingLine line("reading " + displayName(path.filename()));
+  const WaitingLine line("reading " + briefName(path));
   return readMeshOrField(path, {.format = format, .warn = warn, .allowEmpty = allowEmpty, .gridName = grid});
 }
 
 std::variant<Mesh, Field, SparseField> loadMeshFieldOrBand(const std::filesystem::path& path,
-                                                           const std::string& format,
-                                                           const std::string& grid) {
-  const WaitingLine line("reading " + displayName(path.filename()));
-  return readMeshFieldOrBand(path, {.format = format, .warn = warn, .gridName = grid});
+                                                           const std::string& format, const std::string& grid,
+                                                           std::vector<glm::dvec3>* exact) {
+  const WaitingLine line("reading " + briefName(path));
+  return readMeshFieldOrBand(path, {.format = format, .warn = warn, .gridName = grid, .exact = exact});
 }
 
 Mesh loadMesh(const std::filesystem::path& path, const std::string& format, bool allowEmpty) {
@@ -355,7 +417,7 @@ std::variant<Field, SparseField> loadAnyField(const std::filesystem::path& path,
 }
 
 SparseField loadBand(const std::filesystem::path& path, const std::string& format, const std::string& grid) {
-  const WaitingLine line("reading " + displayName(path.filename()));
+  const WaitingLine line("reading " + briefName(path));
   return readBand(path, {.format = format, .warn = warn, .gridName = grid});
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <raymap/callbacks.h>
+#include <raymap/error.h>
 #include <raymap/field.h>
 #include <raymap/mesh.h>
 #include <raymap/sparse_field.h>
@@ -20,8 +21,8 @@
 
 namespace raymap {
 
-/// Returns a text without control characters, which a terminal would obey: "\x1b" stands for the escape
-/// character. File names may hold any.
+/// Returns a text without characters that a terminal would obey, or that turn the direction of the text
+/// around them: "\x1b" stands for the escape character. File names may hold any.
 std::string printable(std::string_view text);
 
 /// Returns an argument as a shell takes it; as bash does, if it has control characters.
@@ -41,6 +42,9 @@ enum class TextLevel : uint8_t { Quiet, Normal, Verbose };
 
 /// Sets the level of all text from now on.
 void setTextLevel(TextLevel level);
+
+/// Returns whether figures for experts are wanted, such as the time of each stage.
+bool isVerbose();
 
 /// Makes `silenceText` keep stdout: the text is the result that was asked for.
 void keepText();
@@ -148,25 +152,37 @@ class WaitingLine {
 /// stdout. Throws `Error(File)` if it is closed.
 std::filesystem::path keepStdoutForData();
 
-/// Returns "standard output" for the path that `keepStdoutForData` returned, any other path as printable
+/// Returns "standard input" or "standard output" for a path that leads there, any other path as printable
 /// text.
 std::string displayName(const std::filesystem::path& path);
 
-/// Returns a message as printable text, with that path replaced by its name.
+/// Returns the same without folders.
+std::string briefName(const std::filesystem::path& path);
+
+/// Returns a message as printable text, with these names in place of the paths.
 std::string withDisplayNames(std::string message);
 
-/// Throws `Error(File)` unless all text has reached stdout.
+/// Returns a path as an argument of a command: "-" for standard input.
+std::string asArgument(const std::filesystem::path& path);
+
+/// Throws `Error(File)` unless all text has reached stdout. Ends the program by SIGPIPE, as other tools end,
+/// if the program that reads stdout has ended.
 void finishText();
+
+/// Ends the program by SIGPIPE if this error came from data for a program that has ended.
+void endIfReaderEnded(const Error& error);
 
 /// Reads a mesh or a field. Prints warnings and, after a second, how long it takes. `format` counts if the
 /// name does not tell, and `grid` names that of a field to read. A mesh without triangles is an error, unless
 /// `allowEmpty`.
 std::variant<Mesh, Field> loadMeshOrField(const std::filesystem::path& path, const std::string& format = "",
                                           const std::string& grid = "", bool allowEmpty = false);
-/// Does the same, but reads a large level set as a narrow band; see `readMeshFieldOrBand`.
+/// Does the same, but reads a large level set as a narrow band; see `readMeshFieldOrBand`. `exact` receives
+/// the positions of a mesh that are rounded in it; see `ReadOptions`.
 std::variant<Mesh, Field, SparseField> loadMeshFieldOrBand(const std::filesystem::path& path,
                                                            const std::string& format = "",
-                                                           const std::string& grid = "");
+                                                           const std::string& grid = "",
+                                                           std::vector<glm::dvec3>* exact = nullptr);
 // Read one of both. Throw `Error(Usage)` that names the command which converts the other one.
 Mesh loadMesh(const std::filesystem::path& path, const std::string& format = "", bool allowEmpty = false);
 std::variant<Field, SparseField> loadAnyField(const std::filesystem::path& path, const std::string& format,

@@ -19,7 +19,7 @@ namespace raymap {
 
 namespace {
 
-/// What people write, and what helps instead. An empty command: in any.
+/// Names that people try, and what helps instead. An empty command means any.
 struct Guess {
   std::string_view words, command, advice;
 };
@@ -43,9 +43,16 @@ constexpr Guess kGuesses[] = {
     {"--sdf,--level-set", "", "raymap generate MESH -o FIELD makes a signed distance field"},
     {"--smooth,--smoothing", "", "there is no smoothing; a larger --voxel-size leaves out details"},
     {"--support,--supports", "", "a slicer makes supports; --drain-hole empties what --shell hollows out"},
+    {"--extrude,--plinth,--skirt,--base", "",
+     "raymap repair MESH -o RESULT --base Z joins the rim of a terrain to a flat base"},
     {"--y-up", "", "--up y"},
     {"--z-up", "", "--up z"},
     {"--mm,--inch,--inches,--cm", "", "--from in --to mm converts, for example"},
+    {"--half-width,--halfwidth,--exterior-band,--interior-band,--bandwidth,--narrow-band,--truncate", "",
+     "--band SAMPLES of generate clamps distances to so many samples, the half width of a level set"},
+    {"--background", "",
+     "--band SAMPLES of generate: the background of a .vdb is so many times the distance between samples"},
+    {"--name,--gridname", "", "--grid-name NAME of generate and convert names the grid of a .vdb or .nvdb"},
     {"decimate,reduce", "", "raymap simplify MESH -o RESULT --triangles N"},
     {"fix,heal,clean,watertight,solidify,print", "", "raymap repair MESH -o RESULT"},
     {"sdf,voxelize,voxelise,voxelizer,levelset,field,gen", "", "raymap generate MESH -o FIELD"},
@@ -86,10 +93,11 @@ size_t editDistance(std::string_view a, std::string_view b) {
   return cost[a.size()][b.size()];
 }
 
-/// Returns the name that was most likely meant; empty if none is near.
+/// Returns the name that was most likely meant; empty if none is near: of 3 letters 1 may be
+/// wrong, of 7 letters 2, and so on.
 std::string closest(std::string_view word, const std::vector<std::string>& names) {
   std::string best;
-  size_t least = 1 + word.size() / 4;
+  size_t least = (1 + word.size() - std::min(word.find_first_not_of('-'), word.size())) / 4;
   for (const std::string& name : names) {
     const bool isStart = word.size() > 4 && name.starts_with(word);
     const size_t distance = isStart ? 0 : editDistance(word, name);
@@ -248,6 +256,20 @@ std::string entry(const std::string& name, const std::string& meaning) {
 
 }  // namespace
 
+std::vector<FooterLine> footerLines(const std::string& footer) {
+  std::vector<FooterLine> lines;
+  for (const std::string& line : CLI::detail::split(footer, '\n')) {
+    const size_t indent = std::min(line.find_first_not_of(' '), line.size());
+    const bool isOfParagraph = indent == 0 && !line.empty() && !lines.empty() && lines.back().indent == 0 &&
+                               !lines.back().text.empty() && !lines.back().text.ends_with(':');
+    if (isOfParagraph)
+      lines.back().text += " " + line;
+    else
+      lines.push_back({indent, line.substr(indent)});
+  }
+  return lines;
+}
+
 std::string describeUsageError(const CLI::App& app, const CLI::ParseError& error,
                                std::span<const std::string> arguments) {
   const std::vector<std::string> unknown = app.remaining(true);
@@ -268,7 +290,7 @@ std::string describeUsageError(const CLI::App& app, const CLI::ParseError& error
 std::string HelpFormatter::make_option(const CLI::Option* option, bool isPositional) const {
   std::string name = isPositional ? shown(*option) : option->get_name(false, true);
   if (const OptionRow* row = isPositional ? nullptr : findRow(option->get_name())) {
-    name = shownNames(*row) + (*row->value == '\0' ? "" : " " + std::string(row->value));
+    name = allSpellings(*row) + (*row->value == '\0' ? "" : " " + std::string(row->value));
   } else {
     name = CLI::detail::find_and_replace(name, ",", ", ");
   }
@@ -295,10 +317,8 @@ std::string HelpFormatter::make_description(const CLI::App* app) const {
 
 std::string HelpFormatter::make_footer(const CLI::App* app) const {
   std::string result;
-  for (const std::string& line : CLI::detail::split(app->get_footer(), '\n')) {
-    const size_t indent = std::min(line.find_first_not_of(' '), line.size());
-    result += line.substr(0, indent) + wrapped(line.substr(indent), indent + (indent > 0 ? 4 : 0), indent);
-  }
+  for (const auto& [indent, text] : footerLines(app->get_footer()))
+    result += std::string(indent, ' ') + wrapped(text, indent + (indent > 0 ? 4 : 0), indent);
   return result;
 }
 

@@ -18,11 +18,6 @@ namespace raymap {
 
 namespace {
 
-/// Returns the number of samples of `raymap repair` by default.
-std::string defaultSamples() {
-  return std::to_string(kRepairResolution) + " samples";
-}
-
 /// Returns a number in three digits, as an argument.
 std::string plain(double number) {
   std::array<char, 32> digits{};
@@ -51,6 +46,22 @@ std::string nameSolids(const Diagnostics& found) {
 
 std::string pairsOf(const SelfIntersections& crossings) {
   return (crossings.complete ? "" : "at least ") + counted(crossings.pairs, "pair") + " of faces";
+}
+
+std::string coplanarPairsOf(const SelfIntersections& crossings) {
+  return (crossings.complete ? "" : "at least ") + counted(crossings.coplanarPairs, "pair") + " of faces";
+}
+
+/// Returns how the closed parts of a mesh overlap or touch.
+std::string describeMeeting(const SelfIntersections& crossings) {
+  if (crossings.pairs > 0) return ": " + pairsOf(crossings) + " cross";
+  if (crossings.coplanarPairs > 0) return ": " + coplanarPairsOf(crossings) + " overlap in one plane";
+  return "";
+}
+
+std::string describeMisnested(const Diagnostics& found) {
+  if (found.inwardComponents == 0) return ", solids in solids: none faces inwards, as a cavity does";
+  return ", some of which face the wrong way: solids in solids, or cavities outside of solids";
 }
 
 std::string describeHoles(const Diagnostics& found) {
@@ -91,9 +102,15 @@ std::string nameKind(MeshKind kind, const Diagnostics& found,
       return "a closed surface, but " + counted(found.flippedFaces, "face") +
              verb(found.flippedFaces, " points", " point") + " the wrong way";
     case MeshKind::OverlappingSolids:
-      return parts + " that overlap: " + pairsOf(*crossings) + " cross";
+      return parts + " that overlap" + describeMeeting(*crossings);
+    case MeshKind::TouchingSolids:
+      return parts + " that touch" + describeMeeting(*crossings);
+    case MeshKind::MisnestedSolids:
+      return parts + describeMisnested(found);
     case MeshKind::CrossingSolid:
-      return "a closed solid that crosses itself: " + pairsOf(*crossings);
+      return (found.components == 1 ? "a closed solid that crosses itself: "
+                                    : parts + ", one of which crosses itself: ") +
+             pairsOf(*crossings);
     case MeshKind::FlawedSolid:
       return (found.components == 1 ? "a closed solid" : parts) +
              " with small faults: " + describeDefects(found, crossings);
@@ -109,14 +126,17 @@ std::string nameKind(MeshKind kind, const Diagnostics& found,
 /// Returns what else is wrong with a mesh of a kind.
 std::string describeRest(MeshKind kind, const Diagnostics& found,
                          const std::optional<SelfIntersections>& crossings) {
-  if (kind == MeshKind::FlawedSolid) return {};
   std::vector<std::string> rest;
   if (found.flippedFaces > 0 && kind != MeshKind::TurnedFaces)
-    rest.push_back(counted(found.flippedFaces, "turned face"));
+    rest.push_back(counted(found.flippedFaces, "reversed face"));
   if (crossings && crossings->pairs > 0 && kind != MeshKind::OverlappingSolids &&
       kind != MeshKind::CrossingSolid)
     rest.push_back(pairsOf(*crossings) + " that cross");
-  if (found.nonManifoldEdges > 0 && kind != MeshKind::DoubleSided)
+  const bool isNamed =
+      kind == MeshKind::TouchingSolids || (kind == MeshKind::OverlappingSolids && crossings->pairs == 0);
+  if (crossings && crossings->coplanarPairs > 0 && !isNamed)
+    rest.push_back(coplanarPairsOf(*crossings) + " that overlap in one plane");
+  if (found.nonManifoldEdges > 0 && kind != MeshKind::DoubleSided && kind != MeshKind::FlawedSolid)
     rest.push_back(counted(found.nonManifoldEdges, "edge") + " with more than two faces");
   std::string words;
   for (size_t r = 0; r < rest.size(); ++r)
@@ -132,81 +152,58 @@ std::filesystem::path resultFor(const std::filesystem::path& mesh) {
   return result.replace_extension(canWrite ? ".solid" + extension : ".solid.stl");
 }
 
-double longestSide(const Diagnostics& found) {
-  const glm::dvec3 size = found.bounds.size();
-  return std::max({size.x, size.y, size.z});
-}
-
-/// Returns a thickness for a sheet: a fiftieth of its longest side, in one digit.
-double thicknessFor(const Diagnostics& found) {
-  const double thickness = longestSide(found) / 50.0;
-  const double digit = std::pow(10.0, std::floor(std::log10(thickness)));
-  return std::round(thickness / digit) * digit;
-}
-
-/// Distance between samples of `raymap repair` by default.
-double defaultSpacing(const Diagnostics& found) {
-  return longestSide(found) * (1.0 + 2.0 * GridOptions{}.padding) / kRepairResolution;
-}
-
 /// Number of samples along each side of a repair's grid.
-glm::dvec3 samplesFor(const Diagnostics& found, double spacing) {
-  const double padding = 2.0 * GridOptions{}.padding * longestSide(found);
-  return glm::ceil((found.bounds.size() + padding) / spacing);
+glm::dvec3 samplesFor(const Box& box, double spacing) {
+  const glm::dvec3 size = box.size();
+  const double padding = 2.0 * GridOptions{}.padding * std::max({size.x, size.y, size.z});
+  return glm::ceil((size + padding) / spacing);
 }
 
-/// How well samples keep the thinnest part.
-enum class Keeps : uint8_t { Unknown, ByDefault, WithVoxelSize, TooMany };
-
-Keeps keeps(const Verdict& verdict, const Diagnostics& found) {
-  if (!verdict.voxelSize) return Keeps::Unknown;
-  if (*verdict.voxelSize >= defaultSpacing(found)) return Keeps::ByDefault;
-  const glm::dvec3 n = samplesFor(found, *verdict.voxelSize);
-  return n.x * n.y * n.z > double(kMostRepairSamples) ? Keeps::TooMany : Keeps::WithVoxelSize;
+/// Returns the number of samples along the longest side of a grid.
+std::string samplesAlong(const Grid& grid) {
+  return std::to_string(std::max({grid.dims.x, grid.dims.y, grid.dims.z})) + " samples";
 }
 
-std::string describeThickness(const Verdict& verdict, const Diagnostics& found, bool isFast) {
+std::string describeThickness(const Verdict& verdict, const Mesh& mesh, bool isFast,
+                              const MachineOptions& machine) {
   if (verdict.sought == 0.0) {
     const bool isSolid = verdict.kind != MeshKind::NoSurface && verdict.remedy != Remedy::Thicken;
     return isSolid && !isFast ? "The thickness was not measured: there are too many triangles.\n" : "";
   }
+  const RepairGrid grid = chooseRepairGrid(mesh, verdict, {}, {}, machine);
   if (!verdict.voxelSize)
-    return "No part is thinner than " + text(verdict.sought) + "; a repair with " + defaultSamples() +
+    return "No part is thinner than " + text(verdict.sought) + "; a repair with " + samplesAlong(grid) +
            " keeps all.\n";
   const std::string part = "Its thinnest part is about " + text(*verdict.thinnest) + " thick. ";
   const std::string voxels = "--voxel-size " + plain(*verdict.voxelSize);
-  const glm::dvec3 n = samplesFor(found, *verdict.voxelSize);
-  const std::string grid = voxels + ": " + text(n.x) + " x " + text(n.y) + " x " + text(n.z) + " samples";
-  switch (keeps(verdict, found)) {
-    case Keeps::ByDefault:
-      return part + "A repair with " + defaultSamples() + " keeps it; so does " + voxels + ".\n";
-    case Keeps::TooMany:
-      return part + "To keep it as it is would take " + grid + ". A repair takes " + defaultSamples() +
-             ", and makes what is thinner " + text(1.75 * defaultSpacing(found)) + " thick.\n";
-    default:
-      return part + "A repair chooses what keeps it, " + grid + ".\n";
-  }
+  if (!grid.thinnest && *verdict.voxelSize >= grid.spacing)
+    return part + "A repair with " + samplesAlong(grid) + " keeps it; so does " + voxels + ".\n";
+  const glm::dvec3 n = samplesFor(bounds(mesh), *verdict.voxelSize);
+  const std::string samples = voxels + ": " + text(n.x) + " x " + text(n.y) + " x " + text(n.z) + " samples";
+  if (grid.thinnest && grid.keepsThinnest())
+    return part + "A repair chooses what keeps it, " + samples + ".\n";
+  return part + "To keep it as it is would take " + samples + ". A repair takes " + samplesAlong(grid) +
+         ", and makes what is thinner " + text(1.75 * grid.spacing) + " thick.\n";
 }
 
-std::string commandFor(const Verdict& verdict, const Diagnostics& found, const std::filesystem::path& mesh) {
-  const std::string files = quoted(mesh.string()) + " -o " + quoted(resultFor(mesh).string());
-  if (verdict.remedy == Remedy::None) return {};
-  if (verdict.remedy == Remedy::Thicken) {
-    const double thickness = thicknessFor(found);
-    return "raymap mesh " + files + " --thickness " + plain(thickness) + " --voxel-size " +
-           plain(thickness / 4.0);
-  }
-  return "raymap repair " + files;
+/// Returns the file to read and the file to write.
+std::string filesOf(const std::filesystem::path& mesh) {
+  return asArgument(mesh) + " -o " + quoted(resultFor(mesh).string());
 }
 
 }  // namespace
+
+std::string thickenCommand(double thickness, const std::filesystem::path& mesh) {
+  return "raymap mesh " + filesOf(mesh) + " --thickness " + plain(thickness) + " --voxel-size " +
+         plain(thickness / 4.0);
+}
 
 std::string describeKind(const Verdict& verdict, const Diagnostics& found,
                          const std::optional<SelfIntersections>& crossings) {
   std::string words = nameKind(verdict.kind, found, crossings) + ".";
   if (const std::string rest = describeRest(verdict.kind, found, crossings); !rest.empty())
     words += " " + rest;
-  if (!crossings) words += " Faces that cross were not counted (--fast).";
+  if (!crossings) words += " Faces that cross and parts that overlap were not looked for (--fast).";
   return words;
 }
 
@@ -220,12 +217,17 @@ Json toJson(const Verdict& verdict, const Diagnostics& found,
 }
 
 std::string describe(const Verdict& verdict, const Diagnostics& found,
-                     const std::optional<SelfIntersections>& crossings, const std::filesystem::path& mesh) {
+                     const std::optional<SelfIntersections>& crossings, const Mesh& mesh,
+                     const std::filesystem::path& path, const MachineOptions& machine) {
   std::string words = "This is " + describeKind(verdict, found, crossings) + "\n";
-  const std::string command = commandFor(verdict, found, mesh);
-  if (verdict.remedy == Remedy::Repair) words += "To make it a clean solid: " + command + "\n";
-  if (verdict.remedy == Remedy::Thicken) words += "To give it a thickness of your choice: " + command + "\n";
-  return words + describeThickness(verdict, found, !crossings);
+  if (verdict.remedy == Remedy::Repair)
+    words += "To make it a clean solid: raymap repair " + filesOf(path) + "\n";
+  if (verdict.kind == MeshKind::Sheet)
+    words +=
+        "To join its rim to a flat base, as of a terrain: raymap repair " + filesOf(path) + " --base Z\n";
+  if (verdict.remedy == Remedy::Thicken)
+    words += "To give it a thickness of your choice: " + thickenCommand(verdict.thickness, path) + "\n";
+  return words + describeThickness(verdict, mesh, !crossings, machine);
 }
 
 }  // namespace raymap

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <raymap/machine.h>
+#include <raymap/mesh.h>
 #include <raymap/units.h>
 #include <raymap/verdict.h>
 
@@ -19,8 +21,13 @@ std::string describeKind(const Verdict& verdict, const Diagnostics& found,
 Json toJson(const Verdict& verdict, const Diagnostics& found,
             const std::optional<SelfIntersections>& crossings, const std::optional<LengthUnit>& unit);
 
-/// Returns a verdict in plain words: what the mesh is, and what to run. Each line ends with a newline.
+/// Returns the command that gives a mesh a thickness.
+std::string thickenCommand(double thickness, const std::filesystem::path& mesh);
+
+/// Returns a verdict in plain words: what the mesh is, and what to run. Each line ends with a newline. `path`
+/// is the mesh's file.
 std::string describe(const Verdict& verdict, const Diagnostics& found,
-                     const std::optional<SelfIntersections>& crossings, const std::filesystem::path& mesh);
+                     const std::optional<SelfIntersections>& crossings, const Mesh& mesh,
+                     const std::filesystem::path& path, const MachineOptions& machine);
 
 }  // namespace raymap

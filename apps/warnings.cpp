@@ -26,8 +26,11 @@ std::string remedyOf(const Warning& warning) {
       return "raymap devices --test " + warning.fields.device;
     case WarningCode::DeviceFailed:
       return "--device cpu leaves the GPU out";
+    case WarningCode::PartsInsideOut:
+      return "--orientation keep";
     case WarningCode::OrientationMisfit:
       return "raymap info MESH";
+    case WarningCode::PartsThickened:
     case WarningCode::SolidLost:
       return lengthFlag("--voxel-size", warning.fields.voxelSize);
     case WarningCode::NothingInside:
@@ -46,10 +49,17 @@ std::string remedyOf(const Warning& warning) {
       return "--drain-hole W";
     case WarningCode::NoHollow:
       return "--shell T";
+    case WarningCode::LooseBodies:
+      return "leave out --keep-cavities";
+    case WarningCode::BoundsLeft:
+      return "--min-thickness T; raymap info MESH lists the holes";
+    case WarningCode::Sheet:
+      return "raymap info MESH";
     case WarningCode::FileContent:
     case WarningCode::BoxReached:
     case WarningCode::DrainHolesMissing:
     case WarningCode::TrianglesMissed:
+    case WarningCode::FarVertices:
     case WarningCode::PartFile:
       break;
   }

@@ -23,10 +23,10 @@ namespace {
 using vulkan::CountedCommand;
 
 constexpr double kWarp = 32.0;
-/// Machine instructions per operation that is counted: about the median over the kernels without loops, which
-/// scripts/check_kernels.py prints.
+/// Machine instructions of an AMD card per operation that is counted: the median over the kernels without
+/// loops.
 constexpr double kInstructionsPerOperation = 1.15;
-constexpr double kWorthARow = 0.02;  ///< Share of the whole time that a kernel needs for a row of its own.
+constexpr double kWorthARow = 0.02;  ///< Share of all instructions that a kernel needs for a row of its own.
 constexpr const char* kReadBack = "read_back";
 constexpr int kMeasuredRuns = 5;
 
@@ -48,19 +48,11 @@ class CountedBackend : public vulkan::Backend {
   vulkan::WorkCounter* counter_;
 };
 
-struct Bound {
-  const char* name;
-  double seconds;
-};
-
 /// Work of one step, or of all steps of a stage.
 struct Work {
   uint32_t steps = 0, commands = 0;
   double bytes = 0, instructions = 0;
   double longest = 0, rounds = 0;  ///< Instructions and rounds of loads of the longest invocations, added up.
-  double least = 0;    ///< Predicted seconds if the longest invocation's waits overlap with other work.
-  double seconds = 0;  ///< Predicted seconds if they do not.
-  std::map<std::string, double> bounds;  ///< Seconds by what decides them.
 };
 
 Work workOf(const CountedCommand& command) {
@@ -84,24 +76,6 @@ void addToStep(Work& step, const Work& command) {
   step.rounds = std::max(step.rounds, command.rounds);
 }
 
-/// Predicts the time of a step: its latency, and then whatever throughput limits. At most the longest
-/// invocation takes the place of the latency.
-void predict(Work& step, const Card& card) {
-  const double chain =
-      1e-9 * (step.longest * card.instructionNanoseconds + step.rounds * card.loadNanoseconds);
-  const Bound waits[] = {{"steps", 1e-6 * card.stepMicroseconds}, {"longest", chain}};
-  const Bound throughputs[] = {{"bytes", step.bytes / card.bytesPerSecond},
-                               {"instructions", step.instructions / card.warpInstructionsPerSecond}};
-  const auto larger = [](const Bound(&bounds)[2]) {
-    return bounds[0].seconds > bounds[1].seconds ? bounds[0] : bounds[1];
-  };
-  step.least = waits[0].seconds + larger(throughputs).seconds;
-  for (const Bound& bound : {larger(waits), larger(throughputs)}) {
-    step.bounds[bound.name] += bound.seconds;
-    step.seconds += bound.seconds;
-  }
-}
-
 /// Adds work that waits for the work before.
 void addUp(Work& sum, const Work& next) {
   sum.steps += next.steps;
@@ -110,9 +84,6 @@ void addUp(Work& sum, const Work& next) {
   sum.instructions += next.instructions;
   sum.longest += next.longest;
   sum.rounds += next.rounds;
-  sum.least += next.least;
-  sum.seconds += next.seconds;
-  for (const auto& [name, seconds] : next.bounds) sum.bounds[name] += seconds;
 }
 
 /// Work of a stage, and of its kernels, fills and copies.
@@ -150,13 +121,12 @@ Work takeDispatch(const std::vector<CountedCommand>& commands, size_t& i) {
   return work;
 }
 
-std::vector<StageWork> stagesOf(const std::vector<CountedCommand>& commands, const Card& card) {
+std::vector<StageWork> stagesOf(const std::vector<CountedCommand>& commands) {
   std::vector<StageWork> stages;
   for (size_t i = 0; i < commands.size();) {
     const CountedCommand& first = commands[i];
     Work step{.steps = 1};
     while (i < commands.size() && commands[i].step == first.step) addToStep(step, takeDispatch(commands, i));
-    predict(step, card);
     StageWork& stage = find(stages, first.stage);
     addUp(stage.work, step);
     addUp(find(stage.parts, first.name).work, step);
@@ -287,40 +257,28 @@ std::map<std::string, double> measure(const vulkan::DeviceOptions& where, const 
 /// Prints a row. `key` is its name among the measured times.
 void printRow(const std::string& name, const std::string& key, const Work& work,
               const std::map<std::string, double>& times) {
-  std::string bounds;
-  for (const auto& [bound, seconds] : work.bounds) {
-    if (seconds < 0.1 * work.seconds) continue;
-    bounds += (bounds.empty() ? "" : ", ") + bound + " " +
-              std::to_string(int(100.0 * seconds / work.seconds + 0.5)) + " %";
-  }
-  std::printf("| %s | %u | %u | %.1f | %.2f | %.0f | %.0f | %.3f | %.3f | %s |", name.c_str(), work.steps,
-              work.commands, 1e-6 * work.bytes, 1e-6 * work.instructions, work.longest, work.rounds,
-              1e3 * work.least, 1e3 * work.seconds, bounds.c_str());
+  std::printf("| %s | %u | %u | %.1f | %.2f | %.0f | %.0f |", name.c_str(), work.steps, work.commands,
+              1e-6 * work.bytes, 1e-6 * work.instructions, work.longest, work.rounds);
   if (const auto time = times.find(key); time != times.end()) std::printf(" %.3f |", time->second);
   std::puts(times.contains(key) ? "" : " |");
 }
 
-void printTable(const std::vector<CountedCommand>& commands, const Card& card,
-                const std::map<std::string, double>& times) {
+void printTable(const std::vector<CountedCommand>& commands, const std::map<std::string, double>& times) {
   std::puts(
       "| stage | steps | commands | MB | million warp instructions | longest, instructions | longest, rounds "
-      "of loads | predicted ms from | to | to mostly by | measured ms "
-      "|\n|---|---|---|---|---|---|---|---|---|---|---|");
-  const std::vector<StageWork> stages = stagesOf(commands, card);
+      "of loads | measured ms |\n|---|---|---|---|---|---|---|---|");
+  const std::vector<StageWork> stages = stagesOf(commands);
   Work all;
   for (const StageWork& stage : stages)
     if (!crossesTheBus(stage)) addUp(all, stage.work);
-  const double waits = 1e-6 * card.waitMicroseconds * waitsOf(commands);
-  all.least += waits;
-  all.seconds += waits;
-  all.bounds["waits for the host"] += waits;
   for (const auto& [name, work, parts] : stages) {
     printRow(name, name, work, times);
     for (const StageWork& part : parts)
-      if (parts.size() > 1 && part.work.seconds > kWorthARow * all.seconds)
+      if (parts.size() > 1 && part.work.instructions > kWorthARow * all.instructions)
         printRow("– " + part.name, partName(name, part.name), part.work, times);
   }
   printRow("all", "all", all, times);
+  std::printf("\nwaits for the host: %u\n", waitsOf(commands));
 }
 
 void printTimes(const std::map<std::string, double>& times) {
@@ -329,7 +287,7 @@ void printTimes(const std::map<std::string, double>& times) {
 }
 
 void countCase(const vulkan::DeviceOptions& where, const Mesh& mesh, int resolution,
-               const FieldOptions& options, const Card& card, bool timesOnly) {
+               const FieldOptions& options, bool timesOnly) {
   const Grid grid = fitGrid(mesh, {.resolution = resolution});
   std::map<std::string, double> times;
   if (timesOnly || !isSoftware(where)) {
@@ -337,7 +295,7 @@ void countCase(const vulkan::DeviceOptions& where, const Mesh& mesh, int resolut
     times.merge(measureParts(where, mesh, grid, options));
   }
   if (timesOnly) return printTimes(times);
-  printTable(count(where, mesh, grid, options), card, times);
+  printTable(count(where, mesh, grid, options), times);
 }
 
 }  // namespace
@@ -354,7 +312,7 @@ void countWork(const CountOptions& options) {
         std::printf("\n%s, %zu triangles, %s, %d samples:\n\n", name.c_str(), mesh.triangles.size(),
                     setting.c_str(), resolution);
         try {
-          countCase({.index = index}, mesh, resolution, optionsOf(setting), options.card, options.timesOnly);
+          countCase({.index = index}, mesh, resolution, optionsOf(setting), options.timesOnly);
         } catch (const Error& error) {
           if (error.code() != ErrorCode::Memory) throw;
           std::puts(error.what());

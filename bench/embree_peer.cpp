@@ -13,7 +13,6 @@
 #include "base/parallel.h"
 #include "base/parallel_sort.h"
 #include "methods.h"
-#include "point_methods.h"
 
 namespace raymap::bench {
 
@@ -205,14 +204,14 @@ void runEmbree(const Case& input, Buffer<float>& values) {
   });
 }
 
-void runEmbreePoints(const PointCase& input, const std::function<void()>& prepared, Buffer<double>& values) {
+void runEmbreePoints(const Case& input, Buffer<float>& values) {
   constexpr size_t kPointsPerTask = 4096;
   const Scene scene(input.mesh, input.threads);
   const glm::dvec3 origin = input.mesh.origin;
   withThreads(input.threads, [&] {
     const PseudoNormals normals(input.mesh);
     const std::vector<std::array<glm::vec3, 3>> triangles = cornersOf(input.mesh);
-    prepared();
+    input.prepared();
     values.resizeUninitialized(input.points.size());
     parallelFor(input.points.size(), kPointsPerTask, [&](size_t begin, size_t end) {
       Walk walk{&triangles, 0, INFINITY};

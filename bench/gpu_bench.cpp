@@ -167,19 +167,13 @@ void print(const Json& line) {
 }
 
 void addCountOptions(CLI::App& app, bool& counts, CountOptions& options) {
-  app.add_flag("--count", counts, "Count the work of every stage instead, and predict times from it");
+  app.add_flag("--count", counts, "Count the work of every stage instead");
   const auto add = [&app](const char* name, auto& value, const char* help) {
     app.add_option(name, value, help)->needs("--count")->capture_default_str();
   };
   add("--mesh", options.meshes, "Meshes to count: built-in names or files");
   add("--setting", options.settings, "default, quick");
   add("--resolution", options.resolutions, "Samples along the longest side");
-  add("--bandwidth", options.card.bytesPerSecond, "Bytes per second of the card's memory");
-  add("--step", options.card.stepMicroseconds, "us from a command to the next that waits for it");
-  add("--issue", options.card.warpInstructionsPerSecond, "Instructions of warps of 32 per second");
-  add("--latency", options.card.instructionNanoseconds, "ns from an instruction to its result");
-  add("--load", options.card.loadNanoseconds, "ns from a load to its value");
-  add("--wait", options.card.waitMicroseconds, "us of each wait for the host");
   app.add_flag("--times-only", options.timesOnly, "Measure the time of every kernel, and count nothing")
       ->needs("--count");
 }

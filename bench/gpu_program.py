@@ -115,7 +115,7 @@ class Bench:
         return f"{aim:.3g}" if self.machine["is_software"] else f"{aim:.3g} {'met' if value <= aim else 'MISSED'}"
 
     def count_work(self, mesh, resolutions):
-        """Returns the tables of `gpu_bench --count`: counted work, predicted and measured times of each stage."""
+        """Returns the tables of `gpu_bench --count`: counted work and measured times of each stage."""
         command = [*self.command, "--count", "--mesh", mesh, "--resolution", *map(str, resolutions)]
         process = subprocess.Popen(command, stdout=subprocess.PIPE, text=True)
         try:

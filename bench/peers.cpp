@@ -1,13 +1,16 @@
 // Runs one method on one case and prints its cost as one line of JSON. Every run has a process of its own, so
-// that no run starts with warm memory. bench/compare.py alternates the methods and makes the table.
+// that no run starts with warm memory. bench/speed.py alternates the methods and makes the tables.
+
+#include <raymap/error.h>
 
 #include <CLI/CLI.hpp>
 #include <cstdio>
+#include <filesystem>
+#include <fstream>
 #include <functional>
 #include <map>
 #include <nlohmann/json.hpp>
 
-#include "exchange.h"
 #include "meshes.h"
 #include "methods.h"
 #include "program.h"
@@ -20,44 +23,89 @@ namespace {
 const std::map<std::string, std::function<void(Case&, Buffer<float>&)>> kMethods = {
     {"raymap", runRaymap},   {"raymap_winding", runRaymapWinding}, {"raymap_band", runRaymapBand},
 #ifdef RAYMAP_BENCH_EMBREE
-    {"embree", runEmbree},
+    {"embree", runEmbree},   {"embree_points", runEmbreePoints},
 #endif
 #ifdef RAYMAP_BENCH_OPENVDB
     {"openvdb", runOpenvdb}, {"openvdb_band", runOpenvdbBand},
 #endif
 };
 
+template <class T>
+std::vector<T> readRaw(const std::string& path) {
+  std::vector<T> values(std::filesystem::file_size(path) / sizeof(T));
+  std::ifstream file(path, std::ios::binary);
+  if (!file.read(reinterpret_cast<char*>(values.data()), std::streamsize(values.size() * sizeof(T))))
+    throw Error(ErrorCode::File, path + ": cannot be read");
+  return values;
+}
+
+template <class T>
+void writeRaw(const std::string& path, const T* data, size_t count) {
+  std::ofstream file(path, std::ios::binary);
+  file.write(reinterpret_cast<const char*>(data), std::streamsize(count * sizeof(T)));
+  if (!file.flush()) throw Error(ErrorCode::File, path + ": cannot be written");
+}
+
+/// Reads NAME.vertices (double x 3) and NAME.triangles (uint32 x 3) if they exist, else what `benchMesh`
+/// knows.
+Mesh meshOf(const std::string& name) {
+  if (!std::filesystem::exists(name + ".vertices")) return benchMesh(name);
+  return makeMesh(readRaw<glm::dvec3>(name + ".vertices"), readRaw<glm::uvec3>(name + ".triangles"));
+}
+
+void exportMesh(const Mesh& mesh, const std::string& name) {
+  std::vector<glm::dvec3> positions;
+  for (uint32_t v = 0; v < mesh.vertices.size(); ++v) positions.push_back(mesh.position(v));
+  writeRaw(name + ".vertices", positions.data(), positions.size());
+  writeRaw(name + ".triangles", mesh.triangles.data(), mesh.triangles.size());
+}
+
 int run(int argc, char** argv) {
-  std::string method, mesh = "bunny", output;
+  std::string method, mesh = "bunny", output, points;
+  std::vector<int> dims;
+  std::vector<double> origin(3);
+  double spacing = 0.0;
   GridOptions gridOptions;
   Case input;
   input.threads = 2;
   CLI::App app("Runs one method on one case.");
-  app.add_option("method", method, "a method, or `export` or `list`")->required();
-  app.add_option("--mesh", mesh, "bunny, holes, million, sphere or a file");
+  app.add_option("method", method, "a method, or `export`")->required();
+  app.add_option("--mesh", mesh, "bunny, holes, million, sphere or a file; NAME of raw files");
   app.add_option("--resolution", gridOptions.resolution);
+  app.add_option("--dims", dims, "the grid, instead of --resolution")->expected(3);
+  app.add_option("--origin", origin)->expected(3);
+  app.add_option("--spacing", spacing);
+  app.add_option("--points", points, "a raw file of float x 3");
   app.add_option("--threads", input.threads);
   app.add_option("--band", input.band, "samples; 0 = the whole box");
   app.add_option("--output", output, "where to write the samples as raw floats, or the mesh");
   CLI11_PARSE(app, argc, argv);
 
-  if (method == "list") {
-    for (const auto& [name, unused] : kMethods) std::puts(name.c_str());
-    return 0;
-  }
-  input.mesh = benchMesh(mesh);
-  input.grid = fitGrid(input.mesh, gridOptions);
-  nlohmann::json report = describe(input.mesh, input.grid);
+  input.mesh = meshOf(mesh);
+  if (!points.empty()) input.points = readRaw<glm::vec3>(points);
+  input.grid = dims.empty() ? fitGrid(input.mesh, gridOptions)
+                            : Grid{.dims = {dims[0], dims[1], dims[2]},
+                                   .origin = {origin[0], origin[1], origin[2]},
+                                   .spacing = spacing};
+  const Grid& grid = input.grid;
+  nlohmann::json report = {{"dims", {grid.dims.x, grid.dims.y, grid.dims.z}},
+                           {"origin", {grid.origin.x, grid.origin.y, grid.origin.z}},
+                           {"spacing", grid.spacing},
+                           {"triangles", input.mesh.triangles.size()}};
   if (method == "export") {
     exportMesh(input.mesh, output);
   } else {
     Buffer<float> values;
     const Usage before = Usage::start();
+    Usage between = before;
+    input.prepared = [&] { between = Usage::now(); };
     kMethods.at(method)(input, values);
     const Usage after = Usage::now();
-    report["wall"] = after.wall - before.wall;
-    report["cpu"] = after.cpu - before.cpu;
-    report["megabytes"] = after.peakMegabytes - before.peakMegabytes;
+    report.update({{"wall", after.wall - before.wall},
+                   {"cpu", after.cpu - before.cpu},
+                   {"prepare", between.cpu - before.cpu},
+                   {"query", after.cpu - between.cpu},
+                   {"megabytes", after.peakMegabytes - before.peakMegabytes}});
     if (!output.empty()) writeRaw(output, values.data(), values.size());
   }
   std::puts(report.dump().c_str());

@@ -1,5 +1,6 @@
 // Checks that any XML in a whole 3MF gives a valid mesh or an Error. Damaged archives are for read_3mf_fuzz.
-// A byte 0xFF, which XML cannot hold, ends the root part and begins the part 3D/b.model.
+// A byte 0xFF, which XML cannot hold, ends the root part and begins the part 3D/b.model. A second one begins
+// the files of slicers.
 
 #include <raymap/error.h>
 #include <raymap/mesh_view.h>
@@ -11,11 +12,13 @@
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   using namespace raymap;
   const std::string text(reinterpret_cast<const char*>(data), size);
-  const size_t end = text.find('\xff');
-  const std::string bytes =
-      samples::package3mf({{"3D/3dmodel.model", text.substr(0, end)},
-                           {"3D/b.model", end == text.npos ? "" : text.substr(end + 1)}},
-                          samples::Zip::Stored);
+  const size_t end = text.find('\xff'), second = end == text.npos ? end : text.find('\xff', end + 1);
+  samples::Parts parts{{"3D/3dmodel.model", text.substr(0, end)},
+                       {"3D/b.model", end == text.npos ? "" : text.substr(end + 1, second - end - 1)}};
+  if (second != text.npos)
+    for (const char* config : {"Metadata/Slic3r_PE_model.config", "Metadata/model_settings.config"})
+      parts.emplace_back(config, text.substr(second + 1));
+  const std::string bytes = samples::package3mf(parts, samples::Zip::Stored);
   try {
     validate(read3mf({std::as_bytes(std::span(bytes)), "/nonexistent/mesh", [](const raymap::Warning&) {}}));
   } catch (const Error& error) {

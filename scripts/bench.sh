@@ -1,16 +1,13 @@
 #!/usr/bin/env bash
-# Builds everything in Release, runs the benchmarks and prints the tables of docs/performance.md:
-#   scripts/bench.sh [--rounds N] [--only TEXT]
-# Installs the Python peers (libigl, Open3D, mesh2sdf) into build/bench/venv and leaves out those that do not install.
+# Builds in Release and prints a table of docs/performance.md, docs/evaluation.md or another page:
+#   scripts/bench.sh TABLE [ARGUMENTS]    # scripts/bench.sh --help lists the tables
+# Installs the peers, and Python packages in build/python-env.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
-source scripts/bench_peers.sh
+build=$PWD/build/bench
+scripts/install.sh --bench >&2
+python=$(scripts/python_env.sh --all)
+[[ ${1:-} != scene ]] || "$python" -m pip install --quiet python-fcl >&2
+cmake --preset release -B "$build" -DRAYMAP_BUILD_BENCH=ON -DRAYMAP_BUILD_TESTS=OFF -DRAYMAP_PYTHON=ON -DPython_EXECUTABLE="$python" >&2
 cmake --build "$build" >&2
-
-echo "## Machine and stages"
-echo
-"$build/bin/stages_bench" --benchmark_min_time=0.2 --benchmark_format=json 2>/dev/null | python3 bench/stages_table.py
-echo
-echo "## Peers"
-echo
-"$build/venv/bin/python" bench/compare.py "$build/bin/peers" "$@"
+RAYMAP_BENCH_BUILD=$build PYTHONPATH=$build/python exec "$python" bench/run.py "$@"

@@ -2,7 +2,7 @@
 # Builds in Release and measures a GPU beside the CPU. Prints the tables of docs/performance.md and writes them, with
 # two pictures, to out/bench_gpu:
 #   scripts/bench_gpu.sh [--quick] [--device vulkan:K] [--table NAME] [--seconds S] [FOLDER of meshes]
-# Work is counted, too, and the times predicted from it stand beside the measured ones.
+# Work is counted, too.
 # --quick uses small grids and few meshes, for a software driver. Without a folder it uses the built-in meshes.
 set -euo pipefail
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)

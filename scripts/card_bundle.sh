@@ -11,7 +11,7 @@ bundle=build/card_bundle
 programs=(raymap stages_tests vulkan_tests gpu_bench)
 most_megabytes=40
 
-cmake --preset release -B "$build" -DRAYMAP_OPENVDB=OFF -DRAYMAP_ASSIMP=OFF -DRAYMAP_VIEW=OFF -DRAYMAP_BUILD_BENCH=ON
+cmake --preset release -B "$build" -DRAYMAP_OPENVDB=OFF -DRAYMAP_ASSIMP=OFF -DRAYMAP_DRACO=OFF -DRAYMAP_VIEW=OFF -DRAYMAP_BUILD_BENCH=ON
 cmake --build "$build" --target raymap_cli stages_tests vulkan_tests gpu_bench
 rm -rf "$bundle"
 mkdir -p "$bundle"/{bin,lib,spare,meshes}

@@ -1,11 +1,11 @@
 #!/usr/bin/env bash
-# Builds the core and its tests alone, shows that they use no library but glm, oneTBB and Highway (and GoogleTest for the
-# tests), and runs those of fields, queries and repair. scripts/test.sh runs all of them.
+# Builds the core and most of its tests alone, shows that they use no library but glm, oneTBB and Highway (and GoogleTest
+# for the tests), and runs those of fields, queries and repair. scripts/test.sh runs all of them.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 build=build/core
 cmake --preset core
-cmake --build --preset core
+cmake --build --preset core --target raymap_core core_tests repair_tests
 
 fail() {
   echo "$1:" >&2

@@ -6,9 +6,12 @@
 - Files of code named in `backticks` exist.
 - docs/decisions/layers.md names every layer of src/layers.txt.
 - docs/dependencies.md names every file, or a folder of it, that includes a header of a library, and no other.
-- docs/cli.md lists the exit codes that `raymap --help` lists, and has a section on every command.
+- docs/cli.md lists the exit codes that `raymap --help` lists, has a section on every command, and lists every
+  command once.
 - CONTRIBUTING.md lists the folders of the tree, in the order of src/layers.txt, and every stage of .ci/run.
 - Lines of prose end before column 101.
+- No sentence of prose, and no comment of a public header, opens with "Of", "What", "Told", "Whose" or "So that", which
+  put off the subject. Questions may.
 
 check_docs.py [FOLDER] checks another tree."""
 
@@ -20,6 +23,7 @@ from source_tree import chosen_root, commands, finish, includes
 
 ROOT = chosen_root().resolve()
 COLUMNS = 100
+OPENING = re.compile(r"(?:^|(?<=[.:;!?] ))(?:Of(?! course)|What|Told|Whose|So that)\b[^.?!]*\??")
 CODE = r"(?:cpp|h|hpp|c|comp|glsl|py|sh|txt|toml|cmake)"
 # Headers by which files show that they use a library, as named in docs/dependencies.md.
 HEADERS = {
@@ -108,6 +112,37 @@ def check_width(number, line):
         yield f"{number}: {len(line)} columns; wrap at {COLUMNS}"
 
 
+def paragraphs(text):
+    """Yields the paragraphs and items of lists as one line each, with the number of their first line."""
+    first, words, last = 0, [], 0
+    for number, line in prose(text):
+        ends = not line.strip() or line.startswith(("|", "#", "    ")) or number != last + 1
+        item = re.match(r"\s*(?:[-*]|\d+\.) ", line)
+        if (ends or item) and words:
+            yield first, " ".join(words)
+            words = []
+        if line.strip() and not line.startswith(("|", "#", "    ")):
+            first = first if words else number
+            words.append(line[item.end():] if item else line.strip())
+        last = number
+    if words:
+        yield first, " ".join(words)
+
+
+def check_openings(number, text):
+    for opening in OPENING.findall(text):
+        if not opening.endswith("?"):
+            yield f'{number}: "{opening[:40]}" puts off the subject; begin with it'
+
+
+def check_headers():
+    for header in sorted((ROOT / "include").rglob("*.h")):
+        for number, line in enumerate(header.read_text().splitlines(), 1):
+            comment = re.search(r"(?://[/!]?<?|/\*|^ \*) (.*)", line)
+            for fault in check_openings(number, comment[1]) if comment else ():
+                yield f"{header.relative_to(ROOT)}:{fault}"
+
+
 def check_page(page, tree):
     for number, line in prose(page.read_text()):
         yield from check_links(page, number, line)
@@ -115,6 +150,8 @@ def check_page(page, tree):
         if "decisions" not in page.parts and page.name != "CHANGELOG.md":
             yield from check_names(page, number, line, tree)
         yield from check_width(number, line)
+    for number, text in paragraphs(page.read_text()):
+        yield from check_openings(number, text)
 
 
 def check_index(folder):
@@ -159,10 +196,14 @@ def check_exit_codes():
 
 
 def check_commands():
-    headings = "".join(re.findall(r"^## .*\n", (ROOT / "docs/cli.md").read_text(), re.MULTILINE))
+    text = (ROOT / "docs/cli.md").read_text()
+    headings = "".join(re.findall(r"^## .*\n", text, re.MULTILINE))
+    listed = re.findall(r"^\| \[`(\w+)`\]\(#", text, re.MULTILINE)
     for command in commands(ROOT):
         if not re.search(rf"\b{command}\b", headings):
             yield f"has no section on the command {command}"
+        if listed.count(command) != 1:
+            yield f"lists the command {command} {listed.count(command)} times; list it once"
 
 
 def check_folders(tree):
@@ -198,6 +239,7 @@ def check_stages():
 def main():
     tree = Tree()
     faults = [f"{page.relative_to(ROOT)}:{fault}" for page in pages() for fault in check_page(page, tree)]
+    faults += check_headers()
     faults += [fault for folder in ("docs", "docs/decisions") for fault in check_index(folder)]
     faults += [f"docs/decisions/layers.md: {fault}" for fault in check_layers()]
     faults += [f"docs/dependencies.md: {fault}" for fault in check_libraries(tree)]

@@ -135,7 +135,7 @@ for compiler in "${compilers[@]}"; do
   check check_cmake core "$compiler" core
   check check_cmake core "$compiler" refused
 done
-install_library light "${only_core[@]}" -DRAYMAP_IO=ON -DRAYMAP_OPENVDB=OFF -DRAYMAP_ASSIMP=OFF
+install_library light "${only_core[@]}" -DRAYMAP_IO=ON -DRAYMAP_OPENVDB=OFF -DRAYMAP_ASSIMP=OFF -DRAYMAP_DRACO=OFF
 for compiler in "${compilers[@]}"; do check check_cmake light "$compiler" light; done
 install_library shared -DBUILD_SHARED_LIBS=ON
 check check_program shared

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Compiles every kernel of the GPU backend for AMD cards that are absent, and checks the compiled code.
 
-Mesa's driver RADV has the cards' real compiler and needs no card. Prints the table of docs/gpu_predictions.md. Ends
+Mesa's driver RADV has the cards' real compiler and needs no card. Prints a table of them. Ends
 with 1 if a kernel does not compile, spills registers, needs scratch memory, or leaves room for less than a quarter of a
 card's waves, unless tests/kernels/exceptions.txt allows it. An exception that is no longer needed also fails.
 
@@ -12,7 +12,6 @@ import collections
 import json
 import os
 import pathlib
-import statistics
 import subprocess
 import sys
 
@@ -131,11 +130,6 @@ def variant_name(key, variants):
     return key[0] if len(variants) == 1 else f"{key[0]} ({', '.join(map(str, key[2:]))})"
 
 
-def instructions_per_operation(kernels):
-    """Returns the median over the kernels without loops. bench/count_work.cpp multiplies counted operations by it."""
-    return statistics.median(k["Instructions"] / k["operations"] for k in kernels.values() if not k["has_loops"])
-
-
 def main():
     executable = program()
     results = {card: compile_kernels(executable, *card) for card in CARDS}
@@ -143,8 +137,6 @@ def main():
     problems = check(results)
     for problem in problems:
         print(problem, file=sys.stderr)
-    ratio = instructions_per_operation(results["gfx1100", 32][0])
-    print(f"\n{ratio:.2f} instructions per counted operation in kernels without loops", file=sys.stderr)
     print(f"{sum(len(kernels) for kernels, _ in results.values())} kernels compiled, {len(problems)} problems",
           file=sys.stderr)
     sys.exit(1 if problems else 0)

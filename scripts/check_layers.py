@@ -7,6 +7,8 @@ src/base/parallel.cpp, parallel_sort.h and a part of raymap-import include oneTB
 the number of includes that point up or sideways and of cycles between folders, and ends with 1 if there is anything to
 mend.
 
+A room, which is a folder of src or another folder of code, has at most as many lines as src/layers.txt grants it.
+
 check_layers.py [ROOT]: ROOT is the source tree, by default the one that this script lies in.
 """
 
@@ -15,6 +17,7 @@ import re
 from source_tree import chosen_root, files, finish, includes
 
 SOURCES = {".h", ".cpp", ".c", ".comp", ".glsl", ".inl", ".in"}
+CODE = SOURCES | {".py", ".sh", ".frag", ".vert", ".js", ".mjs", ".html"}  # Its lines are counted.
 OUTSIDE = ("apps", "examples", "python")  # Users of the library, which see its public headers only.
 # The only files that may include oneTBB. The last keeps NanoVDB in a process of its own to one thread.
 TBB = ("src/base/parallel.cpp", "src/base/parallel_sort.h", "src/io/import/import_nvdb.cpp")
@@ -35,6 +38,7 @@ class Layers:
     def __init__(self, path):
         self.below = {}  # Layers that each layer may include.
         self.headers = {}  # Layer of each public header.
+        self.budgets = {}  # Most lines of each room.
         self.problems = []
         for number, line in enumerate(path.read_text().splitlines(), 1):
             line = line.partition("#")[0].strip()
@@ -43,6 +47,8 @@ class Layers:
             name, colon, rest = line.partition(":")
             if not colon:
                 self.problems.append(f"{path.name}:{number}: no colon in '{line}'")
+            elif name.startswith("lines "):
+                self.budgets[name.split()[1]] = int(rest)
             elif name.startswith("include "):
                 self.headers[name.split()[1]] = rest.strip()
             else:
@@ -133,6 +139,20 @@ def misplaced(public, src, layers):
                 yield f"include/raymap/{header} is of the layer {layer}, but {name} is defined in {', '.join(sorted(others))}"
 
 
+def over_budget(root, budgets):
+    """The rooms with more lines than they may have, or without a budget. A file counts in the innermost room around it."""
+    rooms = {f"src/{path.name}" for path in (root / "src").iterdir() if path.is_dir()}
+    yield from (f"src/layers.txt: no `lines {room}: …` limits this folder" for room in sorted(rooms - set(budgets)))
+    lines = dict.fromkeys(budgets, 0)
+    for path in files(root, sorted({room.partition("/")[0] for room in budgets}), CODE):
+        inside = [room for room in budgets if path.is_relative_to(root / room)]
+        if inside:
+            lines[max(inside, key=len)] += len(path.read_bytes().splitlines())
+    for room, most in budgets.items():
+        if lines[room] > most:
+            yield f"{room} has {lines[room]} lines, and its budget in src/layers.txt is {most}: make it smaller, or say why it grows"
+
+
 def check(root):
     """Returns what is wrong, the number of includes that point up or sideways, and the cycles between folders."""
     src, public = root / "src", root / "include/raymap"
@@ -171,7 +191,7 @@ def check(root):
                 wrong += 1
                 problems.append(f"{name}:{number} includes {target}: {layers.says(layer)}")
 
-    problems += misplaced(public, src, layers)
+    problems += [*misplaced(public, src, layers), *over_budget(root, layers.budgets)]
     for header in sorted(layers.headers):
         if not (public / header).is_file():
             problems.append(f"src/layers.txt: there is no include/raymap/{header}")

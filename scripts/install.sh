@@ -11,6 +11,7 @@ packages=(
   libhwy-dev                     # SIMD
   libglm-dev                     # vectors
   libassimp-dev                  # FBX and DAE
+  libdraco-dev                   # compressed glTF
   nlohmann-json3-dev             # glTF, statistics
   libpng-dev zlib1g-dev          # pictures, compressed fields
   glslc spirv-cross              # shaders, also in the language of browsers
@@ -36,11 +37,10 @@ checks=(
   libnanovdb-tools               # another judge of .nvdb files
 )
 peers=(
-  libbenchmark-dev               # single stages
   libembree-dev                  # exact peer
   admesh                         # another judge of repaired meshes
   python3-venv                   # the Python peers come from PyPI,
-  libusb-1.0-0 libgl1 libgomp1   # and one of them needs these
+  libusb-1.0-0 libgl1 libgomp1 libeigen3-dev  # and two of them need these
 )
 if [[ ${1:-} == --bench ]]; then packages+=("${peers[@]}"); fi
 if [[ ${1:-} == --checks ]]; then packages+=("${checks[@]}"); fi

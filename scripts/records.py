@@ -147,7 +147,7 @@ def docstring(text, indent):
 
 def python_types(all_records, enum_names):
     text = HEAD
-    for enum in ("DeviceTestState", "DeviceType", "DistanceMode", "FieldArray", "MeshKind", "Orientation", "Part", "Remedy",
+    for enum in ("Arrangement", "DeviceTestState", "DeviceType", "DistanceMode", "FieldArray", "MeshKind", "Orientation", "Part", "Remedy",
                  "Sampling", "SignMode", "WarningCode"):
         values = "".join(f'    "{name}",\n' for name in enum_names[enum])
         text += f"\n{enum} = Literal[\n{values}]\n"

@@ -61,7 +61,12 @@ class CheckDocs(PlantedTree):
 
     def test_finds_commands_without_a_section(self):
         self.append("apps/convert.cpp", 'void add(CLI::App& app) { app.add_subcommand("paint", "Paint a mesh"); }')
-        self.assert_found("docs/cli.md: has no section on the command paint")
+        self.assert_found("docs/cli.md: has no section on the command paint",
+                          "docs/cli.md: lists the command paint 0 times; list it once")
+
+    def test_finds_commands_that_are_not_listed_once(self):
+        self.edit("docs/cli.md", "| [`view`](#view)", "| [`mesh`](#view)")
+        self.assert_found("docs/cli.md: lists the command view 0 times", "docs/cli.md: lists the command mesh 2 times")
 
     def test_finds_folders_that_are_not_listed_or_gone(self):
         self.edit("CONTRIBUTING.md", "src/scene/ ", "src/scenes/")
@@ -80,6 +85,15 @@ class CheckDocs(PlantedTree):
     def test_finds_layers_that_are_not_named(self):
         self.append("src/layers.txt", "cpu/bands: base")
         self.assert_found("docs/decisions/layers.md: does not name the layer cpu/bands")
+
+    def test_finds_sentences_that_put_off_the_subject(self):
+        lines = len((self.root / "docs/points.md").read_text().splitlines())
+        self.append("docs/points.md", "\nIt reads files. What it\nreads is kept. What is kept? Of course all.\n\n"
+                    "- Of a mesh, it reads faces.\n\n```\nWhat is code.\n```\n\n| Of a mesh | What it is. |\n")
+        self.append("include/raymap/mesh.h", "/// Reads it. Of a mesh, all.\nint a;  ///< What it is.\nint Of = 1;\n")
+        self.assert_found(f'docs/points.md:{lines + 2}: "What it reads is kept" puts off the subject; begin with it',
+                          f'docs/points.md:{lines + 5}: "Of a mesh, it reads faces" puts off the subject',
+                          '"Of a mesh, all" puts off the subject', '"What it is" puts off the subject')
 
     def test_finds_exit_codes_that_are_listed_once_only(self):
         self.edit("docs/cli.md", "| 9 | ", "| 12 | ")

@@ -73,6 +73,20 @@ class CheckLayers(PlantedTree):
         self.prepend("src/mesh/weld.cpp", "#include <tbb/parallel_sort.h>\n")
         self.assert_found("src/mesh/weld.cpp:1 includes tbb/parallel_sort.h: only src/base/parallel.cpp and")
 
+    def test_finds_a_room_above_its_budget(self):
+        self.edit("src/layers.txt", "\nbase:\n", "\nlines src/odds: 3\nlines src/odds/ends: 2\nbase:\nodds:\n")
+        self.put("src/odds/one.h", "\n\n\n")
+        self.put("src/odds/ends/two.comp", "\n\n")
+        self.put("src/odds/ends/notes.txt", "\n\n\n")  # Not code.
+        self.assert_accepted()
+        self.put("src/odds/one.h", "\n\n\n\n")
+        self.put("src/odds/ends/three.cpp", "\n")
+        self.assert_found("src/odds has 4 lines, and its budget in src/layers.txt is 3", "src/odds/ends has 3 lines, and its budget in src/layers.txt is 2")
+
+    def test_finds_a_room_without_a_budget(self):
+        self.edit("src/layers.txt", "\nlines src/mesh:", "\n# lines src/mesh:")
+        self.assert_found("src/layers.txt: no `lines src/mesh: …` limits this folder")
+
     def test_finds_private_headers_in_programs(self):
         self.put("apps/main.cpp", '#include "base/memory.h"\n')
         self.put("examples/odds/main.cpp", '#include "base/memory.h"\n')

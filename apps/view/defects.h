@@ -15,7 +15,7 @@
 
 namespace raymap::view {
 
-/// The defects of a mesh: searched by another thread, and drawn in colour. Of an animated mesh, those of the
+/// The defects of a mesh: searched by another thread, and drawn in colour. For an animated mesh, those of the
 /// pose that it had when the search began.
 class Defects {
  public:

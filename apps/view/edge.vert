@@ -24,7 +24,7 @@ void main() {
     places[e] = push.vertices.at[push.indices.at[2 * edge + e]] + push.origin;
     ends[e] = push.toClip * vec4(places[e], 1);
   }
-  // What is nearer than the near plane, or behind the eye, has no place in the picture.
+  // Points nearer than the near plane, or behind the eye, have no place in the picture.
   for (uint e = 0; e < 2; ++e) {
     if (ends[e].z >= 0 || ends[1 - e].z <= 0) continue;
     const float share = ends[e].z / (ends[e].z - ends[1 - e].z);

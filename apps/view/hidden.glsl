@@ -1,4 +1,4 @@
-// What the two fragment shaders of a mesh do not draw. The shader has `push`.
+// Fragments that the two shaders of a mesh do not draw. The shader has `push`.
 
 const float kNoField = 1e38;
 

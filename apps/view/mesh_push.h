@@ -29,12 +29,12 @@ struct MeshPush {
   RAYMAP_VIEW_ADDRESS(Vectors) vertices;
   RAYMAP_VIEW_ADDRESS(Indices) indices;  // Three of a face, or two of an edge.
   RAYMAP_VIEW_ADDRESS(Depths) depth;     // Distance to what the field shows, row by row.
-  vec3 origin;                           // Of the vertices.
+  vec3 origin;                           // Origin of the vertices.
   uint width;                            // Pixels in a row of `depth`.
-  vec3 cutNormal;                        // What is beyond this plane is not drawn; 0 for no cut.
+  vec3 cutNormal;                        // Points beyond this plane are not drawn; 0 for no cut.
   float cutOffset;
   float slack;  // How far behind the field's surface a face is still seen; infinite where there is no field.
-  uint colour;  // Of edges or of fronts: red in the lowest byte, green, blue, 255.
+  uint colour;  // Colour of edges or of fronts: red in the lowest byte, green, blue, 255.
 };
 
 #ifdef __cplusplus

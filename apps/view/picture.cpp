@@ -9,8 +9,7 @@ namespace {
 
 constexpr double kLivePictureMilliseconds = 40.0;  // Time of a picture while things move.
 constexpr double kBandMilliseconds = 60.0;         // Time of a part of one while they rest.
-constexpr uint32_t kCoarsest = 8;
-constexpr uint32_t kOverlaid = 0xff3c9bf0u;  // Orange.
+constexpr uint32_t kOverlaid = 0xff3c9bf0u;        // Orange.
 // How far behind the field's surface a mesh is seen, in samples: the shape's own, and one that is laid over
 // it, whose surface is often the same.
 constexpr double kBehindSurface = 2.0, kSticksOut = -1.0;
@@ -28,10 +27,11 @@ void LivePicture::resize(VkExtent2D size) {
   isFinished_ = false;
   const VkDeviceSize bytes = VkDeviceSize{4} * size.width * size.height;
   for (Buffer* buffer : {&pixels_, &depth_, &shownDepth_}) *buffer = gpu_.makeBuffer(bytes);
-  picture_ = gpu_.makeImage(
-      size, kFormat,
-      VK_IMAGE_USAGE_TRANSFER_DST_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT | VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT,
-      VK_IMAGE_ASPECT_COLOR_BIT);
+  for (uint32_t divisor = 1; divisor <= kCoarsest; ++divisor)
+    pictures_[divisor] = gpu_.makeImage(sizeAt(divisor), kFormat,
+                                        VK_IMAGE_USAGE_TRANSFER_DST_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT |
+                                            VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT,
+                                        VK_IMAGE_ASPECT_COLOR_BIT);
   nearest_ = gpu_.makeImage(size, MeshPass::kDepthFormat, VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT,
                             VK_IMAGE_ASPECT_DEPTH_BIT);
 }
@@ -102,14 +102,15 @@ void LivePicture::drawRows(Frame& frame, const Input& input) {
 void LivePicture::show(Frame& frame, const Input& input) {
   const VkCommandBuffer commands = frame.commands();
   shown_ = sizeAt(divisor_);
+  shownDivisor_ = divisor_;
   const auto move = [&](VkImageLayout from, VkImageLayout to) {
-    moveImage(commands, picture_.handle.get(), from, to);
+    moveImage(commands, picture().handle.get(), from, to);
   };
   if (input.isFieldShown) {
     move(VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
     const VkBufferImageCopy part{.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1},
                                  .imageExtent = {shown_.width, shown_.height, 1}};
-    vkCmdCopyBufferToImage(commands, pixels_.handle.get(), picture_.handle.get(),
+    vkCmdCopyBufferToImage(commands, pixels_.handle.get(), picture().handle.get(),
                            VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &part);
     const VkBufferCopy depths{.size = VkDeviceSize{4} * shown_.width * shown_.height};
     vkCmdCopyBuffer(commands, depth_.handle.get(), shownDepth_.handle.get(), 1, &depths);
@@ -130,7 +131,7 @@ void LivePicture::show(Frame& frame, const Input& input) {
                       .bounds = input.bounds,
                       .cut = input.view.cutPlane,
                       .slack = slack * input.field.grid().spacing},
-                     {.picture = picture_,
+                     {.picture = picture(),
                       .nearest = nearest_,
                       .size = shown_,
                       .depth = input.isFieldShown ? shownDepth_.address : 0});
@@ -159,7 +160,7 @@ void LivePicture::copyTo(VkCommandBuffer commands, VkImage target, VkExtent2D si
                           .srcOffsets = {{}, {int32_t(shown_.width), int32_t(shown_.height), 1}},
                           .dstSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1},
                           .dstOffsets = {{}, {int32_t(size.width), int32_t(size.height), 1}}};
-  vkCmdBlitImage(commands, picture_.handle.get(), kRest, target, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1,
+  vkCmdBlitImage(commands, picture().handle.get(), kRest, target, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1,
                  &whole, VK_FILTER_LINEAR);
 }
 
@@ -182,7 +183,7 @@ void LivePicture::copySteps(VkCommandBuffer commands, const Buffer& to) const {
 void LivePicture::copyPixels(VkCommandBuffer commands, const Buffer& to) const {
   const VkBufferImageCopy all{.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1},
                               .imageExtent = {shown_.width, shown_.height, 1}};
-  vkCmdCopyImageToBuffer(commands, picture_.handle.get(), kRest, to.handle.get(), 1, &all);
+  vkCmdCopyImageToBuffer(commands, picture().handle.get(), kRest, to.handle.get(), 1, &all);
   barrier(commands);
 }
 

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <array>
+
 #include "live_field.h"
 #include "mesh_pass.h"
 
@@ -45,7 +47,10 @@ class LivePicture {
   VkExtent2D size() const { return size_; }
 
  private:
+  static constexpr uint32_t kCoarsest = 8;
+
   VkExtent2D sizeAt(uint32_t divisor) const;
+  const Image& picture() const { return pictures_[shownDivisor_]; }
   uint32_t liveDivisor() const;
   void drawRows(Frame& frame, const Input& input);
   void show(Frame& frame, const Input& input);
@@ -56,7 +61,10 @@ class LivePicture {
   VkExtent2D size_ = {}, shown_ = {};
   Buffer pixels_, depth_, shownDepth_, steps_;
   size_t counted_ = 0;  ///< Pixels of the number in `steps_`.
-  Image picture_, nearest_;
+  /// Pictures by their divisor. Each has its own size: what stretches one would else mix in pixels beside it.
+  std::array<Image, kCoarsest + 1> pictures_;
+  Image nearest_;
+  uint32_t shownDivisor_ = 0;  ///< Divisor of the picture that is shown.
   bool isFinished_ = false;
   uint32_t divisor_ = 1;  ///< Pixels of the window along a side of a pixel that is drawn now.
   int nextRow_ = 0;

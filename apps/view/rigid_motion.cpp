@@ -44,7 +44,7 @@ std::optional<RigidMotion> RigidPoses::between(double from, double to) const {
   const std::vector<JointMatrix> before = jointMatrices(mesh_, from), after = jointMatrices(mesh_, to);
   if (std::ranges::all_of(joints_, [&](size_t j) { return areEqual(before[j], after[j]); }))
     return RigidMotion{};
-  // What takes the first joint from here to there must take all of them.
+  // The motion of the first joint must be that of all.
   const glm::dmat4 first = matrixOf(after[joints_[0]]) * glm::inverse(matrixOf(before[joints_[0]]));
   const glm::dquat rotation = glm::normalize(glm::quat_cast(glm::dmat3(first)));
   const glm::dvec3 shift(first[3]);
@@ -55,7 +55,7 @@ std::optional<RigidMotion> RigidPoses::between(double from, double to) const {
       const double most = kOfSize * size_ + kOfDistance * (glm::length(here) + glm::length(there));
       if (!(glm::distance(rotation * here + shift, there) <= most)) return {};
     }
-  const glm::dvec3& origin = mesh_.origin;  // Of the matrices.
+  const glm::dvec3& origin = mesh_.origin;  // Origin of the matrices.
   return RigidMotion{.rotation = rotation, .translation = origin + shift - rotation * origin};
 }
 

@@ -78,7 +78,7 @@ struct PanelFigures {
   std::vector<Frame::Time> times = {};
   bool isFieldMoved = false;               ///< Whether the field needed no time, as it moved.
   uint64_t fieldBytes = 0;                 ///< Memory of the device that the field and its making take.
-  std::optional<Gpu::Memory> memory = {};  ///< What the driver says about memory.
+  std::optional<Gpu::Memory> memory = {};  ///< Memory as the driver reports it.
   std::optional<double> steps = {};        ///< Mean number of steps of a ray; none if they are not counted.
   const std::vector<float>& history;       ///< Milliseconds of the last frames.
   std::string message = {};                ///< Last error or result.

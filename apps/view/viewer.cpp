@@ -30,14 +30,15 @@ constexpr double kIdle = 0.25;          // Seconds to wait for an event while no
 constexpr size_t kHistory = 120;        // Frames whose times are shown.
 
 /// A frame takes faces as they point. So those that point the wrong way are turned once, beforehand, and the
-/// other sides of double-sided ones are removed.
+/// other sides of double-sided ones and repeated ones are removed.
 void turnWrongFaces(Content& content, const FieldOptions& options, const MachineOptions& machine) {
-  if (content.isField() || options.orientation == Orientation::Keep || options.sign == SignMode::None) return;
+  if (content.isField() || options.sign == SignMode::None) return;
   MachineOptions onCpu = machine;
   onCpu.device = "cpu";
   constexpr int kResolution = 64;
+  const FieldOptions turning{.orientation = options.orientation};
   const Stats stats =
-      generate(content.mesh, fitGrid(content.mesh, {.resolution = kResolution}), {}, onCpu).stats;
+      generate(content.mesh, fitGrid(content.mesh, {.resolution = kResolution}), turning, onCpu).stats;
   if (stats.turnedFaces.empty() && stats.leftOutFaces.empty()) return;
   content.given = content.mesh.triangles;
   for (Mesh* mesh : {&content.mesh, content.animated ? &content.animated->rest : nullptr})
@@ -82,7 +83,7 @@ fs::file_time_type timeOf(const fs::path& path) {
 class Viewer {
  public:
   explicit Viewer(ViewerOptions& options);
-  ~Viewer() { vkDeviceWaitIdle(gpu_.device()); }  // Of a lost device, there is nothing to wait for.
+  ~Viewer() { vkDeviceWaitIdle(gpu_.device()); }  // A lost device has nothing to wait for.
 
   /// Runs until the window is closed.
   void run();
@@ -169,7 +170,7 @@ class Viewer {
   size_t next_ = 0;
   bool isMoving_ = true;
   std::optional<RenderOptions> lastView_;
-  std::array<double, 8> lastRest_{};  ///< What else a picture depends on.
+  std::array<double, 8> lastRest_{};  ///< Further values that a picture depends on.
   std::vector<Frame::Time> times_;
   std::vector<float> history_;
   std::string message_;
@@ -407,7 +408,7 @@ RenderOptions Viewer::view() const {
   view.cut = false;
   view.cutPlane = state.cut.plane();
   view.slice = state.slice.plane();
-  // What the iso value adds must fit too.
+  // The padding by the iso value must fit, too.
   const double pad = std::max(view.iso, 0.0) + 0.5 * state.field.options.thickness;
   view.frame = Box{content().bounds.min - pad, content().bounds.max + pad};
   // Until the field has the array, distances are shown.
@@ -643,7 +644,7 @@ void Viewer::obey(const Wishes& wishes) {
 void Viewer::goToPlace() {
   const DefectPlace* place = defects().place();
   if (!place) return;
-  constexpr double kSurroundings = 2.5, kLeast = 0.03;  // Of its own size, of that of the mesh.
+  constexpr double kSurroundings = 2.5, kLeast = 0.03;  // Shares of its own size, and of the mesh's.
   const double size =
       std::max(kSurroundings * place->diameter, kLeast * glm::length(content().bounds.size()));
   camera_.frame({place->centre - 0.5 * size, place->centre + 0.5 * size}, windowSize());

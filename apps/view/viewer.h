@@ -7,7 +7,7 @@
 
 namespace raymap::view {
 
-/// What a window is opened with. The functions belong to the program: they read files and know its options.
+/// Arguments of a window. The functions belong to the program: they read files and know its options.
 struct ViewerOptions {
   std::filesystem::path input = {};
   std::filesystem::path other = {};  ///< A second mesh or field; empty: there is none.

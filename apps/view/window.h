@@ -45,14 +45,14 @@ class Window {
   void copy(const std::string& text);
   std::string paste() const;
 
-  /// What the mouse did.
+  /// Actions of the mouse.
   struct Mouse {
     enum class Kind { Press, Release, Move, Wheel };
     Kind kind;
     glm::dvec2 cursor{0.0};                     ///< In pixels.
     double wheel = 0.0;                         ///< Notches, away from its user.
     int button = 0;                             ///< GLFW's number.
-    bool hasShift = false, hasControl = false;  ///< Of a press.
+    bool hasShift = false, hasControl = false;  ///< Keys held during a press.
   };
   /// A key that was pressed.
   struct Key {

@@ -51,7 +51,7 @@ extern "C" {
 
 /* ---- Errors ---- */
 
-/* What went wrong. The numbers never change; those of raymap::ErrorCode may. */
+/* Kind of the error. The numbers never change; those of raymap::ErrorCode may. */
 typedef enum raymap_result {
   RAYMAP_OK = 0,
   RAYMAP_ERROR_BUG = 1,           /* Something unexpected: please report the message. */
@@ -158,8 +158,8 @@ typedef struct raymap_mesh_arrays {
   double origin[3];         /* Added to every position, in double precision. */
 } raymap_mesh_arrays;
 
-/* Reads OBJ, PLY, STL, OFF, glTF/GLB, 3MF, FBX or DAE. Of the options, "allow_empty" and the warning callback
- * count; they may be NULL. Not in builds without files (RAYMAP_IO=OFF). */
+/* Reads OBJ, PLY, STL, OFF, glTF/GLB, 3MF, FBX or DAE. Options: only "allow_empty" and the warning callback
+ * are used; they may be NULL. Not in builds without files (RAYMAP_IO=OFF). */
 RAYMAP_API raymap_mesh* raymap_mesh_load(const char* path, const raymap_options* options);
 
 /* Wraps arrays without a copy. They must stay valid and unchanged until the mesh is freed. Checks nothing
@@ -183,8 +183,8 @@ RAYMAP_API raymap_result raymap_mesh_copy_triangles(const raymap_mesh* mesh, uin
 RAYMAP_API raymap_result raymap_mesh_bounds(const raymap_mesh* mesh, double min[3], double max[3]);
 
 /* Writes .ply (binary), .obj, .stl (binary), .glb or .3mf (in millimetres) by extension. The file appears
- * whole or not at all. Of the options only the warning callback counts; they may be NULL. It is called if the
- * single precision of an STL moves vertices noticeably. Not in builds without files. */
+ * whole or not at all. Only the warning callback of the options is used; they may be NULL. It is called if
+ * the single precision of an STL moves vertices noticeably. Not in builds without files. */
 RAYMAP_API raymap_result raymap_mesh_write(const raymap_mesh* mesh, const char* path,
                                            const raymap_options* options);
 
@@ -205,13 +205,15 @@ typedef struct raymap_grid_options {
   int32_t dims[3];    /* Number of samples (nx, ny, nz), for fields of one shape; 0, 0, 0 = the box decides.
                          Cells about the centre of the box are as small as hold it. With `voxel_size` they
                          have that size, and may cut the box. Ignored for a repair. */
-  bool has_padding;   /* Whether `padding` counts; else it is 0.1. */
+  bool has_padding;   /* Whether `padding` is used; else it is 0.1. */
   bool has_box;       /* Whether to cover the box below instead of the padded bounds. */
   double voxel_size;  /* Spacing; 0 = from `dims` or the resolution. */
   double padding;     /* Padding of the bounds on every side, as a share of their longest side. */
   double thickness;   /* The option "thickness" of the field: half of it pads the bounds besides. */
   double box_min[3];
   double box_max[3];
+  bool align; /* Whether sample (0, 0, 0) lies on multiples of 8 spacings, as OpenVDB's leaves do. Samples of
+                 all such grids of one spacing then coincide. Not with `dims`. Ignored for a repair. */
 } raymap_grid_options;
 
 /* Lays a grid of cubic cells over the mesh. `options` may be NULL for the defaults. */
@@ -261,17 +263,18 @@ RAYMAP_API const float* raymap_field_confidence(const raymap_field* field);
 /* Costs of making a field, and findings about the mesh. For a field that was read from a file all are 0,
  * and the orientation fits. */
 typedef struct raymap_stats {
-  size_t size;             /* sizeof(raymap_stats); RAYMAP_INIT sets it. */
-  double milliseconds;     /* Time from triangles in memory to the finished field. */
-  uint64_t bytes;          /* Most bytes that the generator and the field held together. */
-  double doubtful_share;   /* Share of samples whose six rays disagree. */
-  uint64_t turned_faces;   /* Number of faces that were reversed. */
-  uint64_t left_out_faces; /* Number of faces that the sign left out: the other sides of double-sided ones. */
-  bool orientation_fits;   /* False if the faces were examined, but no choice has a misfit of at most 0.5. */
-  double misfit_given;     /* Disagreement of the crossings of the given mesh, 0 to 1. */
-  double misfit;           /* The same with those faces reversed and left out. */
+  size_t size;              /* sizeof(raymap_stats); RAYMAP_INIT sets it. */
+  double milliseconds;      /* Time from triangles in memory to the finished field. */
+  uint64_t bytes;           /* Most bytes that the generator and the field held together. */
+  double doubtful_share;    /* Share of samples whose six rays disagree. */
+  uint64_t turned_faces;    /* Number of faces that were reversed. */
+  uint64_t left_out_faces;  /* Number of faces that the sign left out: repeated ones, or other sides. */
+  bool orientation_fits;    /* False if the faces were examined, but no choice has a misfit of at most 0.5. */
+  double misfit_given;      /* Disagreement of the crossings of the given mesh, 0 to 1. */
+  double misfit;            /* The same with those faces reversed and left out. */
   uint64_t patch_triangles; /* Number of triangles of the surface that closes holes. */
   double patch_area;        /* Its area. */
+  uint64_t inverted_parts;  /* Number of parts that were reversed: inside out, and they cross others. */
 } raymap_stats;
 RAYMAP_API raymap_result raymap_field_stats(const raymap_field* field, raymap_stats* stats);
 
@@ -291,13 +294,13 @@ typedef enum raymap_outside {
 RAYMAP_API raymap_result raymap_field_sample(const raymap_field* field, const double* points, size_t count,
                                              raymap_outside outside, float* distances, float* gradients);
 
-/* Returns the surface at a distance as a new closed mesh. Of the options only the number of threads and the
- * callbacks count; they may be NULL. */
+/* Returns the surface at a distance as a new closed mesh. Options: only the number of threads and the
+ * callbacks are used; they may be NULL. */
 RAYMAP_API raymap_mesh* raymap_isosurface(const raymap_field* field, double iso,
                                           const raymap_options* options);
 
-/* Reads .nrrd, .npz, .npy, .vti, .vdb or .nvdb. Of the options only the warning callback counts, if not NULL.
- * It is called if the file has arrays that a field has not. Not in builds without files. */
+/* Reads .nrrd, .npz, .npy, .vti, .vdb or .nvdb. Only the warning callback of the options is used, if not
+ * NULL. It is called if the file has arrays that a field has not. Not in builds without files. */
 RAYMAP_API raymap_field* raymap_field_load(const char* path, const raymap_options* options);
 /* Writes one array as .nrrd, .npz, .npy, .vti, .vdb or .nvdb by extension: "distance" (or NULL), "winding",
  * "confidence" or "triangle". The file appears whole or not at all. Not in builds without files. */
@@ -309,9 +312,9 @@ RAYMAP_API raymap_result raymap_field_write(const raymap_field* field, const cha
  * at the same time. */
 typedef struct raymap_surface raymap_surface;
 
-/* Prepares a mesh. Of the options, "orientation", "threshold", "compact", "threads", "memory_limit" and the
- * progress callback count, and "sign": "harmonic", or "none" for distances that are never negative. They may
- * be NULL. */
+/* Prepares a mesh. Options: only "orientation", "threshold", "compact", "threads", "memory_limit" and the
+ * progress callback are used, and "sign": "harmonic", or "none" for distances that are never negative. They
+ * may be NULL. */
 RAYMAP_API raymap_surface* raymap_surface_create(const raymap_mesh* mesh, const raymap_options* options);
 RAYMAP_API void raymap_surface_free(raymap_surface* surface);
 /* Returns the bytes that the surface holds; 0 for NULL. */
@@ -333,8 +336,9 @@ typedef struct raymap_query_arrays {
 } raymap_query_arrays;
 
 /* Fills the arrays. `points` are x, y, z of each. Points farther than `max_distance` get this distance with
- * their sign, NaN instead of positions, and the triangle UINT32_MAX; 0 = all points. Of the options, only
- * "threads" and the progress callback count; they may be NULL. After a failure the arrays are unchanged. */
+ * their sign, NaN instead of positions, and the triangle UINT32_MAX; 0 = all points. Options: only "threads"
+ * and the progress callback are used; they may be NULL. After a failure the arrays are unchanged.
+ */
 RAYMAP_API raymap_result raymap_surface_query(const raymap_surface* surface, const double* points,
                                               size_t count, double max_distance,
                                               const raymap_options* options,
@@ -362,8 +366,9 @@ typedef struct raymap_thickness_arrays {
 
 /* Measures the thickness at points of faces: `points` are x, y, z of each, `triangles` the face that each
  * lies on. Parts thicker than `max_thickness` count as infinitely thick; 0 = none. The smaller, the faster.
- * Of the options, "threads" and the progress callback count; they may be NULL. Fails with RAYMAP_ERROR_USAGE
- * for a face that does not exist and a surface without a sign. After a failure the arrays are unchanged. */
+ * Options: only "threads" and the progress callback are used; they may be NULL. Fails with
+ * RAYMAP_ERROR_USAGE for a face that does not exist and a surface without a sign. After a failure the arrays
+ * are unchanged. */
 RAYMAP_API raymap_result raymap_surface_thickness(const raymap_surface* surface, const double* points,
                                                   const uint32_t* triangles, size_t count,
                                                   double max_thickness, const raymap_options* options,
@@ -373,7 +378,7 @@ RAYMAP_API raymap_result raymap_surface_thickness(const raymap_surface* surface,
 typedef struct raymap_sample_points_options {
   size_t size;          /* sizeof(raymap_sample_points_options) */
   bool normalize;       /* Whether the bounding sphere becomes the unit sphere about 0. */
-  bool has_shares;      /* Whether the two shares count; else they are 0 and 0.94. */
+  bool has_shares;      /* Whether the two shares are used; else they are 0 and 0.94. */
   double surface_share; /* Share of the points that are on the surface, 0 to 1. */
   double near_share;    /* Share of the points that are near the surface, 0 to 1. */
   const double* sigmas; /* Standard deviations of the offsets of these, as shares of the bounding sphere's
@@ -394,8 +399,8 @@ typedef struct raymap_point_sample_arrays {
 } raymap_point_sample_arrays;
 
 /* Chooses `count` points on a surface, near it and in its bounding sphere, in this order, and measures their
- * distances, as for training DeepSDF; raymap/sample_points.h says how. `how` may be NULL for the defaults. Of
- * the options, only "threads" and the progress callback count; they may be NULL. After a failure the arrays
+ * distances, as for training DeepSDF; raymap/sample_points.h says how. `how` may be NULL for the defaults.
+ * Options: only "threads" and the progress callback are used; they may be NULL. After a failure the arrays
  * are unchanged. */
 RAYMAP_API raymap_result raymap_sample_points(const raymap_surface* surface, size_t count,
                                               const raymap_sample_points_options* how,
@@ -407,21 +412,21 @@ RAYMAP_API raymap_result raymap_sample_points(const raymap_surface* surface, siz
 /* Makes the field of a box of samples of a lattice of up to 2^24 samples a side: `extent` samples along each
  * axis, from sample `low` on. A sample's values are those of raymap_surface_query at its position on the
  * lattice, rounded to float, however the lattice is cut. The grid of the field has the position of `low` as
- * its origin. Of the options, "band", "triangle", "winding", "confidence", "threads", "memory_limit" and the
- * callbacks count; they may be NULL. */
+ * its origin. Options: only "band", "triangle", "winding", "confidence", "threads", "memory_limit" and the
+ * callbacks are used; they may be NULL. */
 RAYMAP_API raymap_field* raymap_surface_generate_region(const raymap_surface* surface,
                                                         const raymap_grid* lattice, const int32_t low[3],
                                                         const int32_t extent[3],
                                                         const raymap_options* options);
 /* Finds the distance that all samples of a region have in its field if they lie beyond "band" on one side,
  * negative inside. NaN: some samples may lie in the band or on the other side, or there is no band. That
- * takes a few queries at most. Other options do not count; they may be NULL. */
+ * takes a few queries at most. Other options are not used; they may be NULL. */
 RAYMAP_API raymap_result raymap_surface_far_distance(const raymap_surface* surface,
                                                      const raymap_grid* lattice, const int32_t low[3],
                                                      const int32_t extent[3], const raymap_options* options,
                                                      double* distance);
-/* Finds the most bytes that the surface and a region of this extent hold together while it is made. Of the
- * options, "triangle", "winding", "confidence" and "threads" count; they may be NULL. */
+/* Finds the most bytes that the surface and a region of this extent hold together while it is made. Options:
+ * only "triangle", "winding", "confidence" and "threads" are used; they may be NULL. */
 RAYMAP_API raymap_result raymap_surface_region_bytes(const raymap_surface* surface, const int32_t extent[3],
                                                      const raymap_options* options, size_t* bytes);
 
@@ -437,21 +442,21 @@ typedef struct raymap_band_options {
 } raymap_band_options;
 
 /* Makes a narrow band on a lattice of up to 2^24 samples a side. A sample's values are those of
- * raymap_surface_query at its position, rounded to float. `band` may be NULL for the defaults. Of the
- * options, "band", "triangle", "winding", "confidence", "threads", "memory_limit" and the callbacks count;
+ * raymap_surface_query at its position, rounded to float. `band` may be NULL for the defaults. Options: only
+ * "band", "triangle", "winding", "confidence", "threads", "memory_limit" and the callbacks are used;
  * they may be NULL. */
 RAYMAP_API raymap_sparse_field* raymap_surface_generate_band(const raymap_surface* surface,
                                                              const raymap_grid* grid,
                                                              const raymap_band_options* band,
                                                              const raymap_options* options);
 /* Returns the samples of a field near its surface. Fails with RAYMAP_ERROR_USAGE for a band that is wider
- * than the field's own, and for arrays that the field lacks. Of the options, "band", "triangle", "winding",
- * "confidence", "threads" and "memory_limit" count. `band` and the options may be NULL. */
+ * than the field's own, and for arrays that the field lacks. Options: only "band", "triangle", "winding",
+ * "confidence", "threads" and "memory_limit" are used. `band` and the options may be NULL. */
 RAYMAP_API raymap_sparse_field* raymap_field_to_sparse(const raymap_field* field,
                                                        const raymap_band_options* band,
                                                        const raymap_options* options);
 /* Returns the field of all samples. Samples in no leaf are clamped; they have the triangle UINT32_MAX, and
- * NaN for winding number and confidence. Of the options, "threads" and "memory_limit" count; they may be
+ * NaN for winding number and confidence. Options: only "threads" and "memory_limit" are used; they may be
  * NULL. */
 RAYMAP_API raymap_field* raymap_sparse_field_to_dense(const raymap_sparse_field* field,
                                                       const raymap_options* options);
@@ -543,21 +548,27 @@ typedef struct raymap_configurations {
   size_t count;        /* Number of configurations. */
 } raymap_configurations;
 
-/* The caller's arrays for the results of a scene's query; NULL = not wanted. One value per point, of one
- * configuration after the other. Initialise with RAYMAP_INIT. A point that is not finite gets NaN and the
- * body UINT32_MAX. So does one at which a field has NaN. Without bodies, distances are infinite. */
+/* Arguments of a query of a scene: the caller's arrays for the results; NULL = not wanted. One value per
+ * point, of one configuration after the other. Initialise with RAYMAP_INIT. A point that is not finite gets
+ * NaN and the body UINT32_MAX. So does one at which a field has NaN. Without bodies, distances are infinite.
+ */
 typedef struct raymap_scene_arrays {
   size_t size;      /* sizeof(raymap_scene_arrays) */
   double* distance; /* Signed distance of the union: the least of the distances to the bodies. */
   uint32_t* body;   /* Number of the body that has it; of several, the lowest. */
   double* closest;  /* Closest point of that body, in the world: x, y, z. */
   double* gradient; /* Unit vector that leads away from the solid, in the world: x, y, z; 0 on the surface. */
-  double* distances; /* Distances to all bodies: as many per point as bodies. All are then queried. */
+  double* distances;   /* Distances to all bodies: as many per point as bodies. All are then queried. */
+  uint32_t* triangle;  /* Triangle of that body that holds the closest point; UINT32_MAX if it is a field. */
+  double max_distance; /* Points as far or farther get this distance, with their sign, and NaN and UINT32_MAX
+                          for what depends on the closest point; outside, no body. 0 = no limit. */
+  const uint32_t* without; /* Numbers of bodies that are left out; their `distances` are NaN. */
+  size_t without_count;    /* Number of these. */
 } raymap_scene_arrays;
 
 /* Fills the arrays. `points` are x, y, z of each, `count` of them. The configurations may be NULL for the
- * scene's own poses. Of the options, only "threads" and the progress callback count; they may be NULL. After
- * a failure the arrays are unchanged. */
+ * scene's own poses. Options: only "threads" and the progress callback are used; they may be NULL.
+ * After a failure the arrays are unchanged. */
 RAYMAP_API raymap_result raymap_scene_query(const raymap_scene* scene, const double* points, size_t count,
                                             const raymap_configurations* configurations,
                                             const raymap_options* options, const raymap_scene_arrays* arrays);
@@ -567,17 +578,17 @@ RAYMAP_API raymap_result raymap_scene_query(const raymap_scene* scene, const dou
 /* Size, topology and defects of a mesh, the faces that cross, and a verdict. */
 typedef struct raymap_inspection raymap_inspection;
 
-/* Inspects a mesh. Of the options only the progress callback counts; they may be NULL. */
+/* Inspects a mesh. Only the progress callback of the options is used; they may be NULL. */
 RAYMAP_API raymap_inspection* raymap_inspect(const raymap_mesh* mesh, const raymap_options* options);
 RAYMAP_API void raymap_inspection_free(raymap_inspection* inspection);
 
 /* The main numbers of an inspection. raymap/diagnostics.h and raymap/verdict.h say exactly what they count.
  */
 typedef struct raymap_findings {
-  size_t size;        /* sizeof(raymap_findings); RAYMAP_INIT sets it. */
-  const char* kind;   /* What the mesh is: "clean_solid", "open_solid", "sheet", ... Valid for ever. */
-  const char* remedy; /* What makes a clean solid of it: "none", "repair" or "thicken". Valid for ever. */
-  uint64_t vertices;  /* Number of vertices as stored. */
+  size_t size;              /* sizeof(raymap_findings); RAYMAP_INIT sets it. */
+  const char* kind;         /* Kind of the mesh: "clean_solid", "open_solid", "sheet", ... Valid for ever. */
+  const char* remedy;       /* Way to a clean solid: "none", "repair" or "thicken". Valid for ever. */
+  uint64_t vertices;        /* Number of vertices as stored. */
   uint64_t welded_vertices; /* Number of distinct positions. */
   uint64_t triangles;
   uint64_t components;         /* Number of parts connected through shared vertices. */
@@ -604,7 +615,10 @@ typedef struct raymap_findings {
   double max[3];
   double
       thinnest; /* Thickness of the thinnest part; NaN if none is thinner than a 25th of the longest side. */
-  double voxel_size; /* Largest distance between samples that keeps that part; NaN if there is none. */
+  double voxel_size;       /* Largest distance between samples that keeps that part; NaN if there is none. */
+  const char* arrangement; /* How closed parts lie to each other: "unknown", "separate", "nested",
+                              "misnested", "touching" or "overlapping". Valid for ever. */
+  uint64_t coplanar_pairs; /* Number of pairs of faces that overlap in one plane. */
 } raymap_findings;
 RAYMAP_API raymap_result raymap_inspection_findings(const raymap_inspection* inspection,
                                                     raymap_findings* findings);
@@ -622,11 +636,11 @@ typedef struct raymap_repair_options {
   bool close_holes_in_steps; /* Whether holes close in steps of a sample, instead of by a surface that
                               distances count. */
   bool keep_cavities;        /* Whether sealed cavities stay; else they are filled, with all parts in them. */
-  bool remesh;               /* Whether to make a mesh anew whose faces could be kept. */
+  bool remesh;               /* Whether to make all faces even if some could be kept. */
   bool is_brief;         /* Whether to measure nothing: the report then neither compares the meshes nor tells
                             what is wrong with them. Takes less time. */
-  bool has_drop_smaller; /* Whether `drop_smaller` counts; else it is a thousandth of the largest part. */
-  bool has_tolerance;    /* Whether `tolerance` counts; else it is a tenth of the spacing. */
+  bool has_drop_smaller; /* Whether `drop_smaller` is used; else it is a thousandth of the largest part. */
+  bool has_tolerance;    /* Whether `tolerance` is used; else it is a tenth of the spacing. */
   int32_t drain_holes;   /* Number of drain holes of each hollow; 0 = 1. */
   double offset;         /* Distance to move the surface outwards; negative: inwards. */
   double shell;          /* Thickness of the walls of a hollow solid; 0 = not hollow. */
@@ -640,10 +654,12 @@ typedef struct raymap_repair_options {
   bool loses_thin_parts; /* Whether a `min_thickness` of 0 is none: what samples miss is lost. */
   uint64_t triangles;    /* Most triangles of the result, with the least tolerance that reaches it; 0 = no
                             limit. Limited by `tolerance`. */
+  bool has_base;         /* Whether `base` is used; else there is none. */
+  double base;           /* Height against `down` of a flat base that walls join the rim of the mesh to. */
 } raymap_repair_options;
 
 /* Lays a grid that holds the result of a repair. Both options may be NULL for the defaults; a box, `dims`
- * and the thickness of the field do not count. */
+ * and the thickness of the field are not used. */
 RAYMAP_API raymap_result raymap_fit_repair_grid(const raymap_mesh* mesh, const raymap_grid_options* options,
                                                 const raymap_repair_options* repair, raymap_grid* grid);
 
@@ -696,7 +712,8 @@ typedef struct raymap_simplify_options {
   double tolerance;   /* Largest distance of points of either mesh to the other. 0 keeps the mesh; with
                          `triangles`, it is no limit. */
   double step;        /* Distance between these points; 0 = ten times the tolerance, or with `triangles` a
-                         quarter of the mean edge of so many, at least the mesh's own. */
+                         quarter of the mean edge of so many, at least the mesh's own. It is enlarged
+                         until all points are at most about a million, and 32 for each face. */
   uint64_t triangles; /* Most triangles of the result, with the least tolerance that was found to reach it;
                          0 = no limit. */
 } raymap_simplify_options;
@@ -710,7 +727,7 @@ typedef struct raymap_simplified {
 } raymap_simplified;
 
 /* Returns a watertight mesh with fewer faces, close to the given one. Warns if it has more triangles than
- * were asked for. `simplified` may be NULL. Of the options, "threads" and the callbacks count; they may be
+ * were asked for. `simplified` may be NULL. Options: only "threads" and the callbacks are used; they may be
  * NULL. Fails with RAYMAP_ERROR_INPUT if the mesh is not a closed, oriented manifold. */
 RAYMAP_API raymap_mesh* raymap_simplify(const raymap_mesh* mesh, const raymap_simplify_options* how,
                                         const raymap_options* options, raymap_simplified* simplified);
@@ -743,15 +760,15 @@ typedef struct raymap_view {
   double slice_plane[4]; /* Plane on which distances are drawn, with their lines; normal 0 = none. */
 } raymap_view;
 
-/* Draws the surface of a field at the distance `iso`. Of the options, "threads", "device" and the callbacks
- * count. `view` and `options` may be NULL for the defaults. */
+/* Draws the surface of a field at the distance `iso`. Options: only "threads", "device" and the callbacks
+ * are used. `view` and `options` may be NULL for the defaults. */
 RAYMAP_API raymap_picture* raymap_render_field(const raymap_field* field, const raymap_view* view,
                                                const raymap_options* options);
 /* Draws the same of a narrow band. */
 RAYMAP_API raymap_picture* raymap_render_sparse_field(const raymap_sparse_field* field,
                                                       const raymap_view* view, const raymap_options* options);
-/* Draws a mesh with its defects in colour, which raymap/render.h lists. Of the view the size, `direction`,
- * `up` and `field_of_view` count. Options as above. */
+/* Draws a mesh with its defects in colour, which raymap/render.h lists. Only these members of the view are
+ * used: the size, `direction`, `up` and `field_of_view`. Options as above. */
 RAYMAP_API raymap_picture* raymap_render_defects(const raymap_mesh* mesh, const raymap_view* view,
                                                  const raymap_options* options);
 /* Draws a slice of an array of a field across axis 0, 1 or 2 at sample `index`; -1 = the middle one. The
@@ -773,7 +790,7 @@ RAYMAP_API const uint8_t* raymap_picture_rgb(const raymap_picture* picture);
 /* Writes a picture as PNG. The file appears whole or not at all. */
 RAYMAP_API raymap_result raymap_picture_write_png(const raymap_picture* picture, const char* path);
 
-/* What a page shows besides a field. Initialise with RAYMAP_INIT. */
+/* Contents of a page besides a field. Initialise with RAYMAP_INIT. */
 typedef struct raymap_page_options {
   size_t size;       /* sizeof(raymap_page_options) */
   const char* title; /* Heading; NULL = the name of the file. */

@@ -43,7 +43,7 @@ struct DeviceTest {
 /// The folder is the environment variable RAYMAP_CACHE, else $XDG_CACHE_HOME/raymap, else ~/.cache/raymap.
 /// If it is off (RAYMAP_CACHE=off) or cannot be written, this process remembers the result.
 ///
-/// `id` is that of a device in `devices`, or "vulkan" for the best one. Of `machine` only `progress` counts.
+/// `id` is that of a device in `devices`, or "vulkan" for the best one. Only `progress` of `machine` is used.
 /// Throws `Error`: Usage for a name that
 /// is not that of a GPU, Unsupported if there is no such device or another thread or process tests it now,
 /// Cancelled.

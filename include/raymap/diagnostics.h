@@ -32,7 +32,7 @@ struct Diagnostics {
       0;  ///< Least number of faces to reverse so that neighbours agree; not which side is out.
   std::vector<Hole> holes = {};  ///< Boundary loops, the longest first.
   size_t components = 0;         ///< Number of parts connected through shared vertices.
-  /// Number of components with boundary edges. Of a double-sided mesh, those of one side; so are the next
+  /// Number of components with boundary edges. A double-sided mesh counts one side only, as in the next
   /// three.
   size_t openComponents = 0;
   /// Number of closed components with a negative volume: cavities, or inside out.
@@ -42,6 +42,7 @@ struct Diagnostics {
   double sheetShare = 0.0;  ///< Share of the area that is in sheets.
   /// Number of faces with a repeated corner, or lower than 1e-6 of their longest edge.
   size_t degenerateFaces = 0;
+  size_t farVertices = 0;  ///< Number of vertices of faces that lie 10^9 sizes of the others away, or more.
   /// Number of faces in groups on the same three corners, as many in one winding order as in the other.
   size_t doubleSidedFaces = 0;
   size_t duplicateFaces = 0;  ///< Number of further faces on the same three corners, either orientation.
@@ -64,23 +65,49 @@ struct DiagnoseOptions {
   bool brief = false;  ///< Leaves out holes, components, sheets and flipped faces: they take longest.
 };
 
-/// Measures a mesh. `machine.threads` and `progress` count. Throws `Error`: Input (see `validate`),
+/// Measures a mesh. `machine.threads` and `progress` are used. Throws `Error`: Input (see `validate`),
 /// Cancelled.
 RAYMAP_API Diagnostics diagnose(const MeshView& mesh, const DiagnoseOptions& options = {},
                                 const MachineOptions& machine = {});
 
-/// Faces that cross others, so that inner points of the two coincide. Faces that only touch, overlap in one
-/// plane or share an edge do not cross. The test is exact for corners rounded to a lattice of at least 2^29
-/// steps along the longest side.
+/// Faces that cross others, so that inner points of the two coincide, and faces that overlap others in one
+/// plane. Faces that only touch or share an edge do neither. The test is exact for corners rounded to a
+/// lattice of at least 2^29 steps along the longest side.
 struct SelfIntersections {
   size_t pairs = 0;                  ///< Number of crossing pairs.
   std::vector<uint32_t> faces = {};  ///< Indices of the faces in them, ascending.
   bool complete = true;              ///< False if the search stopped early: there are at least so many pairs.
+  /// Number of pairs that overlap in one plane. Faces on the same three corners are duplicates instead.
+  size_t coplanarPairs = 0;
+  std::vector<uint32_t> coplanarFaces = {};  ///< Indices of the faces in these pairs, ascending.
 };
 
-/// Finds the faces that cross others. Stops early where too many faces overlap. `machine.threads` and
-/// `progress` count. Throws `Error`: Input (see `validate`), Cancelled.
+/// Finds the faces that cross others or overlap them in one plane. Stops early where too many faces overlap.
+/// `machine.threads` and `progress` are used. Throws `Error`: Input (see `validate`), Cancelled.
 RAYMAP_API SelfIntersections findSelfIntersections(const MeshView& mesh, const MachineOptions& machine = {});
+
+/// How the closed parts of a mesh lie to each other. Parts are faces that are linked through edges. Where
+/// several apply, it is the last of these.
+enum class Arrangement : uint8_t {
+  Unknown,     ///< Some edge has not two faces that agree, a face has a repeated corner, or
+               ///< nobody looked.
+  Separate,    ///< One part, or parts outside of each other.
+  Nested,      ///< Parts in others: cavities in solids, or solids in cavities.
+  Misnested,   ///< Parts that face the wrong way for their place: solids in solids, cavities in no solid.
+  Touching,    ///< Faces of different parts overlap in one plane.
+  Overlapping  ///< Faces of different parts cross, or a part is inside another one and outside, too.
+};
+
+/// Returns whether the winding number of a mesh is 0 or 1 everywhere, as far as its parts tell.
+inline bool isRight(Arrangement arrangement) {
+  return arrangement == Arrangement::Separate || arrangement == Arrangement::Nested;
+}
+
+/// Finds how the closed parts of a mesh lie to each other, given what `diagnose` and `findSelfIntersections`
+/// found; the diagnostics may be brief. Rays from up to 64 faces of each part find the parts around it.
+/// `machine.threads` and `progress` are used. Throws `Error`: Input (see `validate`), Cancelled.
+RAYMAP_API Arrangement arrangeParts(const MeshView& mesh, const Diagnostics& found,
+                                    const SelfIntersections& crossings, const MachineOptions& machine = {});
 
 /// Kinds of defects.
 enum class Defect : uint8_t {
@@ -114,7 +141,7 @@ struct DefectList {
 };
 
 /// Finds where a mesh has defects. Leaves out kinds that it does not have. `machine.threads` and `progress`
-/// count. Throws `Error`: Input (see `validate`), Cancelled.
+/// are used. Throws `Error`: Input (see `validate`), Cancelled.
 RAYMAP_API std::vector<DefectList> findDefectPlaces(const MeshView& mesh, const MachineOptions& machine = {});
 
 }  // namespace raymap

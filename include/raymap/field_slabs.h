@@ -21,7 +21,7 @@ struct SlabFile {
 /// How to write a field in slabs of planes along z.
 struct SlabOptions {
   int thickness = 1;             ///< Most planes of a slab.
-  std::string_view format = {};  ///< Extension that counts where a path has none that is known.
+  std::string_view format = {};  ///< Extension that is used where a path has none that is known.
   /// Text that names all that the samples depend on besides their positions, such as a hash of the mesh. With
   /// it, a call that fails or is killed leaves `PATH.part`, and `PATH.part.done`, which says how much of it
   /// is whole. The next call with the same text, grid and files goes on from there.
@@ -33,7 +33,7 @@ struct SlabOptions {
 using PlaneSource = std::function<Field(int begin, int end)>;
 
 /// Writes a field that need not fit into memory into one file or several, as .nrrd, .npy or .vti. Asks for
-/// the slabs in order, once for all files. `about` tells what else the files hold; its arrays do not count.
+/// the slabs in order, once for all files. `about` tells what else the files hold; its arrays are not used.
 /// The bytes are those that `writeField` writes of the whole field with these arrays alone. Each file appears
 /// whole or not at all. Throws `Error`: Usage for another extension, several arrays for a format or a pipe
 /// that has a place for one, a grid or a thickness that makes no sense, or planes that do not fit the grid;

@@ -30,7 +30,7 @@ class RAYMAP_API Generator {
   Generator(Generator&&) noexcept;
   Generator& operator=(Generator&&) noexcept;
 
-  /// Returns a new field. All of `machine` counts. It warns when "auto" falls back to the CPU.
+  /// Returns a new field. All of `machine` is used. It warns when "auto" falls back to the CPU.
   Generated generate(const MeshView& mesh, const Grid& grid, const FieldOptions& options = {},
                      const MachineOptions& machine = {});
 

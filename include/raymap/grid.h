@@ -38,11 +38,19 @@ struct GridOptions {
   std::optional<Box> box = {};  ///< Box to cover, in the mesh's units; by default the padded bounds.
   double padding = 0.1;         ///< Padding of the bounds on every side, as a share of their longest side.
   double thickness = 0.0;       ///< `FieldOptions::thickness`: half of it pads the bounds besides.
+  /// Whether sample (0, 0, 0) lies on multiples of 8 spacings, as OpenVDB's leaves do. Samples of all such
+  /// grids of one spacing then coincide, and their level sets can be combined. Excludes `dims`.
+  bool align = false;
 };
 
+/// Returns the bounds of a mesh that a grid covers: those of all faces that have an area, or of all faces if
+/// none has. Ignores indices out of range.
+RAYMAP_API Box gridBounds(const MeshView& mesh);
+
 /// Returns the smallest grid of cubic cells that covers the box, or one of `dims` samples about its centre. A
-/// side that is not a multiple of the spacing grows by the same length at both ends. Throws `Error(Usage)` if
-/// the options make no grid.
+/// side that is not a multiple of the spacing grows by the same length at both ends. With `align` the grid
+/// begins at most 8 samples before the box. The bounds of a mesh are its `gridBounds`. Throws `Error(Usage)`
+/// if the options make no grid.
 RAYMAP_API Grid fitGrid(const MeshView& mesh, const GridOptions& options = {});
 /// Does the same for a shape with these bounds, such as those of a mesh in all frames of an animation.
 RAYMAP_API Grid fitGrid(const Box& bounds, const GridOptions& options = {});

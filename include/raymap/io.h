@@ -21,17 +21,20 @@
 namespace raymap {
 
 // A path may be a pipe, /dev/stdin, /dev/stdout or /dev/fd/N. Where a path has no extension that is known,
-// `format` counts in its place: an extension, such as ".stl". Without either, a file to read is recognised by
-// its first bytes, if these leave no doubt.
+// `format` is used in its place: an extension, such as ".stl". Without either, a file to read is recognised
+// by its first bytes, if these leave no doubt.
 
 /// How to read a file.
 struct ReadOptions {
-  std::string_view format = {};    ///< Extension that counts where the path has none that is known.
+  std::string_view format = {};    ///< Extension that is used where the path has none that is known.
   WarningCallback warn = {};       ///< Called with what is odd in the file, but does not stop the call.
   bool allowEmpty = false;         ///< Whether a mesh may have no triangles; see `FieldOptions`.
   std::string_view gridName = {};  ///< Grid to read of a .vdb or .nvdb; empty: the first level set.
   /// Further arrays of a .npz that the caller reads, so that no warning says that they are left out.
   std::span<const std::string_view> alsoRead = {};
+  /// Receives all positions of a mesh in double precision, if the returned mesh rounds any; else it is
+  /// emptied.
+  std::vector<glm::dvec3>* exact = nullptr;
 };
 
 /// Reads OBJ, PLY, STL, OFF, glTF/GLB, 3MF, FBX or DAE. The extension decides which; text and binary STL
@@ -54,12 +57,13 @@ RAYMAP_API AnimatedMesh readAnimatedMesh(const std::filesystem::path& path, cons
 struct MeshWriteOptions {
   glm::dvec3 offset{0.0};  ///< Subtracted from every position. Unless it is 0, the file notes it.
   LengthUnit unit = LengthUnit::Millimetre;  ///< Unit that a .3mf states for the mesh's lengths.
-  std::string_view format = {};              ///< Extension that counts where the path has none that is known.
-  WarningCallback warn = {};                 ///< Called if the format moves vertices.
+  std::string_view format = {};  ///< Extension that is used where the path has none that is known.
+  WarningCallback warn = {};     ///< Called if the format moves vertices.
 };
 
 /// Writes .ply (binary), .obj, .stl (binary), .glb or .3mf by extension. The file appears whole or not at
-/// all. An STL has single precision and no shared vertices; the other formats keep every position and index.
+/// all. An STL has single precision and no shared vertices; a .glb has single precision about an origin. The
+/// other formats keep every position, also those of a view in double precision.
 /// Warns if single precision moves a vertex by more than 1e-5 of the longest side of the mesh's bounds.
 /// A .3mf joins equal positions if no triangles share a vertex (as those of an STL), leaves out triangles
 /// that name a vertex twice, as its standard demands; its title is the file's name. Throws `Error`: Usage for
@@ -93,7 +97,7 @@ RAYMAP_API Field readField(const std::filesystem::path& path, const ReadOptions&
 /// Reads a level set of a .vdb or .nvdb as a narrow band, whichever program wrote it. Time and memory
 /// grow with its leaves. Every sample has the value that OpenVDB gives.
 ///
-/// What `writeBand` wrote comes back bit for bit, if no distance has 16 bits. Tiles come as the largest cubes
+/// Files of `writeBand` come back bit for bit, unless distances have 16 bits. Tiles come as the largest cubes
 /// that there are. The lattice of another program's grid begins and ends with whole leaves of 8 samples, so
 /// it may be larger than that of `readField`. Its widths are the background outside, and the least inactive
 /// value inside. If none is inactive there, the band has the same width inside, or none if a value is deeper.
@@ -115,18 +119,19 @@ RAYMAP_API std::variant<Mesh, Field, SparseField> readMeshFieldOrBand(const std:
 struct FieldWriteOptions {
   /// Array to write. With the distance, all but .npy and .nrrd hold all other arrays of the field too.
   FieldArray array = FieldArray::Distance;
-  std::string_view format = {};    ///< Extension that counts where the path has none that is known.
+  std::string_view format = {};    ///< Extension that is used where the path has none that is known.
   std::string_view gridName = {};  ///< Name of the array's grid in a .vdb or .nvdb; empty: its own.
-  /// Whether a .vdb or .nvdb stores numbers that are not whole in 16 bits: a .vdb as half floats, each off by
-  /// at most 1/2048 of itself; a .nvdb as NanoVDB's Fp16, each off by at most 1/131070 of the range of values
-  /// in its leaf of 8 x 8 x 8 samples. Distances that are closer to 0 may then change their sign.
+  /// Whether a .vdb, .nvdb, .npy or .npz stores numbers that are not whole in 16 bits: a .nvdb as NanoVDB's
+  /// Fp16, each off by at most 1/131070 of the range of values in its leaf of 8 x 8 x 8 samples; the others
+  /// as half floats, each off by at most 1/2048 of itself. Distances that are closer to 0 may change their
+  /// sign.
   bool half = false;
 };
 
 /// Writes one array of a field as .nrrd, .npz, .npy, .vti, .vdb or .nvdb. The file appears whole or not
 /// at all. Throws `Error`: Usage for another extension, an array that the field does not have or a grid
-/// without samples or with numbers that are not finite, a name or 16 bits for a format without, 16 bits in a
-/// .vdb for distances beyond 65504 or samples closer than 0.0001, and in a .nvdb for numbers that are not
+/// without samples or with numbers that are not finite, a name or 16 bits for a format without, half floats
+/// for distances beyond 65472 or samples closer than 0.0001, and 16 bits in a .nvdb for numbers that are not
 /// finite or beyond 1e38; File.
 RAYMAP_API void writeField(const std::filesystem::path& path, const Field& field,
                            const FieldWriteOptions& options = {});
@@ -159,7 +164,7 @@ RAYMAP_API std::vector<glm::dvec3> readPoints(const std::filesystem::path& path,
 /// How to write the results of a query.
 struct QueryWriteOptions {
   bool colour = false;  ///< Whether a .ply gets the colour of each distance, as in slices of a field.
-  std::string_view format = {};  ///< Extension that counts where the path has none that is known.
+  std::string_view format = {};  ///< Extension that is used where the path has none that is known.
   /// Arrays of a result without points, which does not tell what was asked for.
   std::vector<std::string> arrays = {"distance"};
 };
@@ -185,7 +190,7 @@ RAYMAP_API void writeSamples(const std::filesystem::path& path, std::span<const 
 ///   `centre` and `scale`.
 /// - .csv, .ply: the points in their order, with distances and gradients, as `writeQuery` writes them.
 ///
-/// `format` counts if the path has no extension that is known. The file appears whole or not at all. Throws
+/// `format` is used if the path has no extension that is known. The file appears whole or not at all. Throws
 /// `Error`: Usage for another extension, File.
 RAYMAP_API void writePointSamples(const std::filesystem::path& path, const PointSamples& samples,
                                   std::string_view format = {});

@@ -18,7 +18,7 @@ struct IsosurfaceOptions {
 /// result is closed where the solid reaches the grid's box. Planes are fitted to the distances, so that
 /// corners and sharp edges are kept. Same field, same mesh, for any number of threads.
 ///
-/// `machine.threads`, `warn` and `progress` count. It warns if the solid reaches the grid's box.
+/// `machine.threads`, `warn` and `progress` are used. It warns if the solid reaches the grid's box.
 ///
 /// Throws `Error`: Usage if there is no surface at `iso`, Input if a sample is not finite, Memory, Cancelled.
 RAYMAP_API Mesh isosurface(const Field& field, const IsosurfaceOptions& options = {},

@@ -21,7 +21,7 @@ inline std::string textOf(const nlohmann::ordered_json& json, int indent = 2) {
 }
 
 /// Returns a result of the library (raymap/records.h), or a member of one. Face indices become their number.
-/// Of other lists, the first thousand values are kept.
+/// Other lists keep their first thousand values.
 template <class Value>
 nlohmann::ordered_json toJson(const Value& value) {
   constexpr size_t kMost = 1000;

@@ -7,8 +7,8 @@
 
 namespace raymap {
 
-/// Where a call runs, what it may use, and what it reports. It does not say what the result is. Every long
-/// call takes it as its last argument, and says which members count. The others may hold anything.
+/// Device, limits and callbacks of a call. They do not define the result. Every long
+/// call takes it as its last argument, and says which members it uses. The others may hold anything.
 struct MachineOptions {
   /// Device that computes. "cpu"; "vulkan:K", the Kth Vulkan device; "vulkan", the best of them, which may be
   /// a software rasterizer; "auto", a real GPU if one is usable, else the CPU. See `devices`.

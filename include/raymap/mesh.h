@@ -46,8 +46,8 @@ struct Mesh {
   glm::dvec3 position(uint32_t vertex) const { return origin + glm::dvec3(vertices[vertex]); }
 };
 
-/// Makes a mesh from double-precision positions. Centres them on the bounds of the vertices that triangles
-/// use, then rounds to single precision.
+/// Makes a mesh from double-precision positions, rounded to single precision about an origin. This one loses
+/// least: about the centre, rounded to few bits, or about 0 positions that are floats or few bits keep all.
 RAYMAP_API Mesh makeMesh(std::span<const glm::dvec3> positions, std::vector<glm::uvec3> triangles);
 
 /// Reverses the winding order of these faces, for example of `Stats::turnedFaces`. Throws `Error(Usage)` if

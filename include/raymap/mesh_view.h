@@ -23,8 +23,8 @@ struct MeshStrides {
 /// seen from outside. The memory must stay valid and unchanged during each call that is given the view.
 ///
 /// A view with floats, 32-bit indices and no gaps is read in place. Any other is converted once per call into
-/// memory that the `Generator` keeps. Double positions are centred on their bounds in double precision before
-/// they are rounded, as by `makeMesh`; their field is the same, bit for bit.
+/// memory that the `Generator` keeps. Double positions are rounded to single precision about an origin, as by
+/// `makeMesh`; their field is the same, bit for bit.
 struct MeshView {
   enum class Index : uint8_t { UInt32, UInt64 };
 

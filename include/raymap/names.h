@@ -25,6 +25,7 @@ RAYMAP_API std::string_view name(DeviceType value);
 RAYMAP_API std::string_view name(DeviceTestState value);
 RAYMAP_API std::string_view name(ErrorCode value);
 RAYMAP_API std::string_view name(MeshKind value);
+RAYMAP_API std::string_view name(Arrangement value);
 RAYMAP_API std::string_view name(Remedy value);
 RAYMAP_API std::string_view name(Part value);
 RAYMAP_API std::string_view name(WarningCode value);
@@ -52,6 +53,7 @@ RAYMAP_DECLARE_NAMES(DeviceType)
 RAYMAP_DECLARE_NAMES(DeviceTestState)
 RAYMAP_DECLARE_NAMES(ErrorCode)
 RAYMAP_DECLARE_NAMES(MeshKind)
+RAYMAP_DECLARE_NAMES(Arrangement)
 RAYMAP_DECLARE_NAMES(Remedy)
 RAYMAP_DECLARE_NAMES(Part)
 RAYMAP_DECLARE_NAMES(WarningCode)

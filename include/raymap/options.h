@@ -18,9 +18,9 @@ enum class DistanceMode {
 
 /// Sources of the winding number (Krayer & Müller 2019, §3.5).
 enum class SignMode {
-  Harmonic,   ///< Least-squares fit to all crossings (Eq. 5); exact on closed meshes.
-  Exact,      ///< `Harmonic`, then the exact number of every sample from a ray and the rims: for reference.
-  Paths,      ///< Mean over paths through six axis orders to each offset point: the paper's simple variant.
+  Harmonic,  ///< Least-squares fit to all crossings (Eq. 5); exact on closed meshes.
+  Exact,  ///< Exact winding number of every sample, with the faces reversed as by `Harmonic`: for reference.
+  Paths,  ///< Mean over paths through six axis orders to each offset point: the paper's simple variant.
   Evolution,  ///< Iteration of Eq. 10 and 11.
   Rays,       ///< Mean of the six axis-parallel rays (Eq. 9).
   Ray,        ///< The ray along +x alone (Fig. 5, left).
@@ -46,7 +46,7 @@ enum class Orientation {
   Repair  ///< Whenever the rays then agree no worse.
 };
 
-/// What the field is. The defaults suit most meshes; raymap/machine.h says where it is made.
+/// Definition of the field. The defaults suit most meshes; raymap/machine.h says where it is made.
 struct FieldOptions {
   DistanceMode distance = DistanceMode::Exact;
   SignMode sign = SignMode::Harmonic;
@@ -89,9 +89,11 @@ struct Stats {
   size_t bytes = 0;                ///< Most bytes that the generator and the field held together.
   double doubtfulShare = 0.0;      ///< Share of samples whose six rays disagree; 0 on a consistent mesh.
   std::vector<uint32_t> turnedFaces = {};  ///< Indices of the faces that were reversed, ascending.
-  /// Indices of the faces that the sign left out, ascending. Each is double-sided: another face has the same
-  /// corners in the opposite winding order. The sign took one of them, because they bound a solid.
+  /// Indices of the faces that the sign left out, ascending. Each has the corners of another one. It repeats
+  /// that one in the same winding order, or is the other side of a double-sided face that bounds a solid.
   std::vector<uint32_t> leftOutFaces = {};
+  /// Lowest face of each part that was reversed because it is inside out and crosses others, ascending.
+  std::vector<uint32_t> invertedParts = {};
   double misfitGiven = 0.0;  ///< Disagreement of the crossings of the given mesh, 0 to 1; 0 if not examined.
   double misfit = 0.0;       ///< The same with `turnedFaces` reversed and without `leftOutFaces`.
   bool orientationFits =

@@ -13,10 +13,10 @@
 
 namespace raymap {
 
-/// What a page shows besides a field.
+/// Contents of a page besides a field.
 struct PageOptions {
   std::string title = {};  ///< Heading; empty: the name of the file, or "Field".
-  int maxSize = 256;       ///< Most samples along a side. Larger fields are sampled anew, on a coarser grid.
+  int maxSize = 256;       ///< Most samples along a side. Larger fields are resampled on a coarser grid.
   FieldArray array = FieldArray::Distance;  ///< Array in whose colours it begins; no triangles.
   std::optional<MeshView> mesh = {};        ///< Mesh whose defects it lists.
   const Field* other = nullptr;            ///< Second field to compare with, sampled on the grid of the page.
@@ -49,7 +49,7 @@ RAYMAP_API Grid pageGrid(const Grid& grid, int maxSize);
 /// The places of a mesh's defects are listed, at most `kMostDefectPlaces` of a kind, the largest first. A
 /// page of two fields shows either, and their difference in colour; it shows distances only. Throws `Error`
 /// as `renderField` does, Usage if `maxSize` is below 2, the field lacks `array` or the view names a second
-/// field, Input for an invalid mesh. Of two fields, either may be a narrow band (see below).
+/// field, Input for an invalid mesh. Either of two fields may be a narrow band (see below).
 RAYMAP_API Page makePage(const Field& field, const RenderOptions& view = {}, const PageOptions& options = {},
                          const MachineOptions& machine = {});
 
@@ -64,7 +64,7 @@ RAYMAP_API Page writePage(const std::filesystem::path& path, const Field& field,
 /// `isosurface`, which `generate` makes there. So the surface across a hole of an open mesh counts, too.
 /// Where the band's box cuts the solid, distances are those of a solid that goes straight on beyond it.
 ///
-/// `machine.device` and `memoryLimit` count for that field. Throws as above, and Usage if no sample of the
+/// `machine.device` and `memoryLimit` are used for that field. Throws as above, and Usage if no sample of the
 /// band is inside, or for an array other than the distance.
 RAYMAP_API Page makePage(const SparseField& band, const RenderOptions& view = {},
                          const PageOptions& options = {}, const MachineOptions& machine = {});

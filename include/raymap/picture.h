@@ -22,7 +22,7 @@ inline constexpr int kMaxPictureSide = 16384;
 
 /// The plane of all points p with dot(normal, p) = offset, in the mesh's units.
 struct Plane {
-  glm::dvec3 normal{0.0, 0.0, 1.0};  ///< Of any length but zero.
+  glm::dvec3 normal{0.0, 0.0, 1.0};  ///< Normal of any length but zero.
   double offset = 0.0;
   bool operator==(const Plane&) const = default;
 };

@@ -22,6 +22,7 @@
 #include <raymap/options.h>
 #include <raymap/page.h>
 #include <raymap/picture.h>
+#include <raymap/polygons.h>
 #include <raymap/query.h>
 #include <raymap/records.h>
 #include <raymap/region.h>

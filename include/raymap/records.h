@@ -48,6 +48,7 @@ void forEachMember(const Diagnostics& found, auto&& use) {
   use("flipped_edges", found.flippedEdges);
   use("flipped_faces", found.flippedFaces);
   use("degenerate_faces", found.degenerateFaces);
+  use("far_vertices", found.farVertices);
   use("duplicate_faces", found.duplicateFaces);
   use("double_sided_faces", found.doubleSidedFaces);
   use("signed_volume", found.signedVolume);
@@ -59,6 +60,8 @@ void forEachMember(const SelfIntersections& found, auto&& use) {
   use("pairs", found.pairs);
   use("faces", found.faces.size());  ///< Number of faces in them.
   use("complete", found.complete);
+  use("coplanar_pairs", found.coplanarPairs);
+  use("coplanar_faces", found.coplanarFaces.size());  ///< Number of faces in these pairs.
 }
 
 /// Diagnostics of a mesh with the faces that cross.
@@ -75,9 +78,11 @@ void forEachMember(const Inspection& inspection, auto&& use) {
 void forEachMember(const Verdict& verdict, auto&& use) {
   use("kind", verdict.kind);
   use("remedy", verdict.remedy);
+  use("arrangement", verdict.arrangement);
   use("sought", verdict.sought);
   use("thinnest", verdict.thinnest);
   use("voxel_size", verdict.voxelSize);
+  use("thickness", verdict.thickness);
 }
 
 void forEachMember(const Stats::Stage& stage, auto&& use) {
@@ -93,6 +98,7 @@ void forEachMember(const Stats& stats, auto&& use) {
   use("doubtful_share", stats.doubtfulShare);
   use("turned_faces", stats.turnedFaces);
   use("left_out_faces", stats.leftOutFaces);
+  use("inverted_parts", stats.invertedParts);
   use("misfit_given", stats.misfitGiven);
   use("misfit", stats.misfit);
   use("orientation_fits", stats.orientationFits);
@@ -159,6 +165,8 @@ void forEachMember(const Warning& warning, auto&& use) {
 void forEachMember(const RepairReport& report, auto&& use) {
   use("before", Inspection{report.before, report.crossingBefore});
   use("after", Inspection{report.after, report.crossingAfter});
+  use("arrangement_before", report.arrangementBefore);
+  use("arrangement_after", report.arrangementAfter);
   use("result_from_mesh", report.ofResult);
   use("mesh_from_result", report.ofMesh);
   use("kept_from_result", report.ofKept);

@@ -26,7 +26,7 @@ namespace raymap {
 /// Winding numbers and confidences have the colours of `renderSlice`, differences from blue (less) to red
 /// (more). The thick line is the surface; thin lines lie half a step off zero.
 ///
-/// All of `machine` but `memoryLimit` counts. A GPU's picture differs a little from the CPU's: the mean of a
+/// All of `machine` but `memoryLimit` is used. A GPU's picture differs a little from the CPU's: the mean of a
 /// colour by at most 0.1 of 255, and at most 0.2 % of the pixels, on edges, by more than 8. Else the same
 /// field and options give the same picture, for any number of threads. Throws `Error`: Usage, Input if a
 /// number to draw is not finite, Cancelled; for the device Unsupported, Memory, DeviceLost.
@@ -41,17 +41,17 @@ RAYMAP_API Picture renderField(const Field& field, const RenderOptions& options 
 /// the difference is known only to be at least, or at most, what the values give. It is in the deepest colour
 /// if that is beyond `range`, else violet.
 ///
-/// All of `machine` but `memoryLimit` counts. Throws `Error` as for a dense field: Input if a number of a
+/// All of `machine` but `memoryLimit` is used. Throws `Error` as for a dense field: Input if a number of a
 /// leaf is not finite.
 RAYMAP_API Picture renderField(const SparseField& band, const RenderOptions& options = {},
                                const MachineOptions& machine = {});
 
-/// Draws a mesh's triangles and its defects in colour. Of the options only the size, `direction`, `up`
-/// and `fieldOfView` count, of `machine` `threads` and `progress`.
+/// Draws a mesh's triangles and its defects in colour. Only these options are used: the size,
+/// `direction`, `up` and `fieldOfView`. Only `threads` and `progress` of `machine` are used.
 ///
 /// Edges with one face are red, with more than two violet. Faces that cross others are orange, those that
-/// point against their neighbours blue, double-sided ones green, duplicates yellow, backs darker. Of faces in
-/// one place, the first of these is seen, else a front. Throws `Error`: Usage, Input (see `validate`),
+/// point against their neighbours blue, double-sided ones green, duplicates yellow, backs darker. Faces in
+/// one place show the first of these, else a front. Throws `Error`: Usage, Input (see `validate`),
 /// Cancelled.
 RAYMAP_API Picture renderDefects(const MeshView& mesh, const RenderOptions& options = {},
                                  const MachineOptions& machine = {});
@@ -109,8 +109,8 @@ RAYMAP_API Comparison compareFields(const SparseField& a, const SparseField& b,
 /// as `compareFields` does.
 ///
 /// Winding numbers and confidences are drawn as distances without a difference of sign. The contours are
-/// those of |w| = 0.5; confidences have none. Of triangles, the slice with the most differences is drawn:
-/// light grey where they agree, red where they differ.
+/// those of |w| = 0.5; confidences have none. For indices of triangles, the slice with the most differences
+/// is drawn: light grey where they agree, red where they differ.
 RAYMAP_API Picture renderComparison(const Field& a, const Field& b, int width = 1024,
                                     FieldArray array = FieldArray::Distance);
 /// Draws the same of two narrow bands.

@@ -5,6 +5,7 @@
 #include <raymap/machine.h>
 #include <raymap/mesh_view.h>
 #include <raymap/options.h>
+#include <raymap/verdict.h>
 
 #include <cstddef>
 #include <functional>
@@ -24,8 +25,8 @@ struct RepairOptions {
   double offset = 0.0;  ///< Distance to move the surface outwards; negative: inwards.
   double shell = 0.0;   ///< Thickness of the walls of a hollow solid; 0 = not hollow.
   /// Least thickness of walls, fins and sheets: what is thinner in the mesh becomes a plate this thick. At
-  /// least two samples, or 0 = none: what samples miss is lost. Unset: 1.75 samples, the least that no
-  /// samples miss. What a negative offset takes away then stays away.
+  /// least two samples, or 0 = none: what samples miss is lost. Unset: 1.75 samples, the thinnest
+  /// wall that the grid cannot miss. Material removed by a negative offset is not restored.
   std::optional<double> minThickness = {};
   double drainHole = 0.0;  ///< Diameter of the drain holes; 0 = none.
   /// Number of drain holes of each hollow: down from its lowest point, then as a vent up from its highest
@@ -33,10 +34,13 @@ struct RepairOptions {
   int drainHoles = 1;
   glm::dvec3 down{0.0, 0.0, -1.0};  ///< Direction of the drain holes; any length but 0.
   /// Volume in the mesh's units cubed. Parts of the result that enclose less are dropped. Unset: a thousandth
-  /// of what the largest part encloses, but none that shows surface of the mesh that no other part shows.
+  /// of what the largest part encloses. A small part is kept if no other part covers that piece of the mesh.
   std::optional<double> dropSmaller = {};
+  /// Height against `down` of a flat base that walls join the rim of the mesh to, as for a terrain. The mesh
+  /// must not reach below it. Unset: none.
+  std::optional<double> base = {};
   bool keepCavities = false;  ///< Whether sealed cavities stay; else they are filled, with all parts in them.
-  bool remesh = false;        ///< Whether to make a mesh anew whose faces could be kept.
+  bool remesh = false;        ///< Whether to make all faces from the field even if some could be kept.
   /// Largest deviation of the result from the isosurface, to have fewer faces; 0 = none. By default a tenth
   /// of the distance between samples. Faces that could be kept are simplified only if it is given.
   std::optional<double> tolerance = {};
@@ -108,6 +112,9 @@ struct RepairReport {
   Diagnostics after = {};                 ///< Diagnostics of the result.
   SelfIntersections crossingBefore = {};  ///< Faces that cross in the given mesh.
   SelfIntersections crossingAfter = {};   ///< Faces that cross in the result.
+  Arrangement arrangementBefore =
+      Arrangement::Unknown;  ///< How the closed parts of the given mesh lie to each other.
+  Arrangement arrangementAfter = Arrangement::Unknown;  ///< The same of the result.
   /// From points of the result to the given surface, moved by the offset, or to the hollow's surface. Drain
   /// holes are left out.
   Deviation ofResult = {};
@@ -121,7 +128,7 @@ struct RepairReport {
   /// Share of the mesh's area that the offset removes, where other parts are closer. All other shares are
   /// relative to what remains.
   double trimmedShare = 0.0;
-  Loss loss = {};            ///< What the lost share consists of, and what would keep it.
+  Loss loss = {};            ///< Parts of the lost share, and what would keep them.
   size_t filledHollows = 0;  ///< Number of hollows that a drain hole does not fit into; they are solid.
   size_t hollows = 0;        ///< Number of hollows that the shell left.
   size_t holes = 0;          ///< Number of drain holes.
@@ -133,13 +140,14 @@ struct RepairReport {
   Removed filled = {};        ///< Sealed cavities that were filled.
   Removed buried = {};        ///< Parts in cavities that were filled.
   bool partsOverlap = false;  ///< Whether parts overlap, touch or nest wrongly, and all else is right.
-  /// Whether the mesh's own faces were kept or simplified, because nothing was wrong with it, or only holes.
+  /// Whether the mesh's own faces were kept or simplified: nothing was wrong with it, or only holes and
+  /// turned faces. `stats.turnedFaces` has these.
   bool kept = false;
-  size_t closedHoles = 0;              ///< Number of holes that were closed beside the faces that were kept.
-  size_t closingFaces = 0;             ///< Number of faces that close these holes.
-  double leastThickness = 0.0;         ///< Thickness of the plates in place of thinner parts; 0 = none made.
-  double thickenedShare = 0.0;         ///< Share of the mesh's area that was thinner, and is on plates.
-  std::vector<Warning> warnings = {};  ///< What is odd, in the order in which it was found.
+  size_t closedHoles = 0;       ///< Number of holes that faces were added to close, before anything else.
+  size_t closingFaces = 0;      ///< Number of these faces, with the walls to a base.
+  double leastThickness = 0.0;  ///< Thickness of the plates in place of thinner parts; 0 = none made.
+  double thickenedShare = 0.0;  ///< Share of the mesh's area that was thinner, and is on plates.
+  std::vector<Warning> warnings = {};  ///< Warnings, in the order in which they were found.
   SimplifyReport simplified = {};      ///< All 0 if faces were kept as they were.
 };
 
@@ -163,18 +171,24 @@ struct RepairGrid : Grid {
 /// a positive offset or half the least thickness, whichever is more. Ignores `GridOptions::box`, `dims` and
 /// `thickness`.
 ///
-/// Without a resolution or a voxel size, it has `kRepairResolution` samples along its longest side. They are
-/// as dense as two to the thinnest part if that takes at most `kMostRepairSamples`, and memory for them is
-/// within `machine.memoryLimit`. A soup of faces (`MeshKind::Soup`) has 128 samples along its longest side.
-/// Uses `machine` and throws `Error` as `fitGrid` and `judge` do.
+/// Covers the base, too. Without a resolution or a voxel size, it has `kRepairResolution` samples along its
+/// longest side. They are as dense as two to the thinnest part if that takes at most `kMostRepairSamples`,
+/// and memory for them is within `machine.memoryLimit`. A soup of faces (`MeshKind::Soup`) has 128 samples
+/// along its longest side. Uses `machine` and throws `Error` as `fitGrid` and `judge` do.
 RAYMAP_API RepairGrid fitRepairGrid(const MeshView& mesh, const GridOptions& options = {},
                                     const RepairOptions& repair = {}, const MachineOptions& machine = {});
 
+/// Returns the same grid for a mesh that `judge` has judged, with its thickness.
+RAYMAP_API RepairGrid chooseRepairGrid(const MeshView& mesh, const Verdict& verdict,
+                                       const GridOptions& options = {}, const RepairOptions& repair = {},
+                                       const MachineOptions& machine = {});
+
 /// Returns a watertight solid in place of any mesh: the isosurface of its field on `grid`, which must hold
-/// the result. Keeps the faces of a mesh with nothing wrong that needs no change; with `closeHoles` also of
-/// one whose holes can be filled so that nothing is wrong.
+/// the result. Keeps the faces of a mesh with nothing wrong that needs no change; also of one in which
+/// turning faces back, and with `closeHoles` filling holes, leaves nothing wrong. Else fills what a plane
+/// closes before it makes the field; deviations are then measured from the mesh with these faces.
 ///
-/// `options` say how distance and sign are found. All of `machine` counts, `device` for the fields. Throws
+/// `options` say how distance and sign are found. All of `machine` is used, `device` for the fields. Throws
 /// `Error` as `generate` and `isosurface` do. Usage also for options that make no sense for a solid: no sign,
 /// `band`, `invert`, `thickness`, `closeHoles` and further arrays; and if walls, holes or the least thickness
 /// are thinner than two samples.

@@ -17,7 +17,7 @@ namespace raymap {
 // Outside, the result is a lower bound on the signed distance, as exact as the samples are, or NaN if
 // `Outside::NaN` asks for it. Let q be the point of the box that is closest to the point p, x one of the
 // samples around q and d(x) its distance. The bound is the largest of these:
-// - d(x) - |p - x|, for a distance changes by no more than the way; not if d(x) is clamped to -band;
+// - d(x) - |p - x|, because a distance field is 1-Lipschitz; not if d(x) is clamped to -band;
 // - the distance to `Field::surfaceBounds`, if p lies outside of them;
 // - sqrt(|p - q|^2 + max(d(x) - |q - x|, 0)^2), if the box holds `Field::surfaceBounds`.
 // It is up to 0.71 h less than the distance interpolated at the border. Far from a surface that the box
@@ -28,7 +28,7 @@ namespace raymap {
 // The bound holds where the field has the sign of a closed surface. Across a hole the sign of an open mesh
 // jumps although the distance is not 0: a point inside, seen from samples outside through a hole, gets a
 // bound that may be too large. A bound is that of the distances and `surfaceBounds` that the field has:
-// whoever moves the surface by writing distances sets `surfaceBounds` anew, or empties it.
+// whoever moves the surface by writing distances updates `surfaceBounds`, or empties it.
 //
 // The gradient is a central difference, h to either side along each axis, of the distance in the box, and
 // outside of sqrt(|p - q|^2 + max(d(q), 0)^2). It is continuous. For an exact field, it has nearly length 1
@@ -70,8 +70,8 @@ RAYMAP_API glm::dvec3 gradientAt(const Field& field, const glm::dvec3& point,
 RAYMAP_API glm::dvec3 gradientAt(const SparseField& band, const glm::dvec3& point,
                                  Outside outside = Outside::Bound);
 
-/// Samples many points in parallel. A point's results do not depend on the others. Of `machine` only
-/// `threads` counts. Throws `Error`: Usage if the field has no distances, Memory.
+/// Samples many points in parallel. A point's results do not depend on the others. Only
+/// `threads` of `machine` is used. Throws `Error`: Usage if the field has no distances, Memory.
 RAYMAP_API Samples sample(const Field& field, std::span<const glm::dvec3> points,
                           const SampleOptions& options = {}, const MachineOptions& machine = {});
 RAYMAP_API Samples sample(const SparseField& band, std::span<const glm::dvec3> points,

@@ -56,9 +56,9 @@ RAYMAP_API std::vector<size_t> samplePointCounts(const SamplePointsOptions& opti
 /// Points of the same mesh and options are the same, bit for bit, on any machine and for any number of
 /// threads. Distances are, on the same kind of processor.
 ///
-/// Of the machine's options, `threads` and `progress` count. Throws `Error`: Usage for the options and for a
-/// surface without a sign, Input if the mesh has no area,
-/// Memory, Cancelled.
+/// Only `threads` and `progress` of the machine's options are used. Throws `Error`: Usage for the options and
+/// for a surface without a sign, Input if the mesh has no area (all of its faces are degenerate), Memory,
+/// Cancelled.
 RAYMAP_API PointSamples samplePoints(const Surface& surface, const SamplePointsOptions& options = {},
                                      const MachineOptions& machine = {});
 

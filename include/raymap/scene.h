@@ -11,6 +11,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <glm/glm.hpp>
+#include <limits>
 #include <memory>
 #include <span>
 #include <string>
@@ -29,6 +30,12 @@ struct SceneOptions {
   bool closest = false;    ///< Whether to fill `SceneResult::closest`.
   bool gradient = false;   ///< Whether to fill `SceneResult::gradient`.
   bool distances = false;  ///< Whether to fill `SceneResult::distances`. All bodies are then queried.
+  bool triangle = false;   ///< Whether to fill `SceneResult::triangle`.
+  /// Points as far or farther get this distance, with their sign, and NaN and `kNoTriangle` for what depends
+  /// on the closest point; outside, `kNoBody` as well. Smaller is faster.
+  double maxDistance = std::numeric_limits<double>::infinity();
+  /// Numbers of bodies that are left out, as that whose own points are queried. Their `distances` are NaN.
+  std::span<const uint32_t> without = {};
 };
 
 /// Poses of all bodies in many configurations, such as those of a robot along a trajectory.
@@ -48,11 +55,13 @@ struct Configurations {
 /// body, distances are infinite, and the rest is as for a point that is not finite.
 struct SceneResult {
   Buffer<double> distance = {};  ///< Signed distance of the union: the least of the distances to the bodies.
-  Buffer<uint32_t> body = {};    ///< Number of the body that has it; of several, the lowest.
+  Buffer<uint32_t> body = {};    ///< Number of the body that has it; the lowest if several are equally near.
   Buffer<glm::dvec3> closest = {};   ///< Closest point of that body, in the world.
   Buffer<glm::dvec3> gradient = {};  ///< Gradient of the distance, in the world: unit vector that leads away
                                      ///< from the solid; 0 on the surface.
-  Buffer<double> distances = {};  ///< Distances to all bodies, in their order: as many per point as bodies.
+  Buffer<double> distances = {};   ///< Distances to all bodies, in their order: as many per point as bodies.
+  Buffer<uint32_t> triangle = {};  ///< Triangle of that body that holds the closest point; `kNoTriangle` if
+                                   ///< it is a field.
 };
 
 /// Bodies with rigid poses, and the signed distance of points of the world to their union.
@@ -71,8 +80,8 @@ struct SceneResult {
 /// so that they are approximate, and lower bounds outside its box. The closest point of a field lies at this
 /// distance along the gradient, and is approximate too; NaN where the gradient is 0.
 ///
-/// Several threads may query a scene at the same time. What a point gets depends neither on the other points
-/// and configurations of the call, nor on the number of threads.
+/// Several threads may query a scene at the same time. The results of a point depend neither on the other
+/// points and configurations of the call, nor on the number of threads.
 class RAYMAP_API Scene {
  public:
   Scene();
@@ -103,8 +112,9 @@ class RAYMAP_API Scene {
   std::vector<std::string> names() const;
   std::vector<glm::dmat4> poses() const;
 
-  /// Returns what is asked for at points of the world. `machine.threads` and `progress` count. Throws
-  /// `Error`: Memory, Cancelled.
+  /// Returns what is asked for at points of the world. `machine.threads` and `progress` are used. Throws
+  /// `Error`: Usage, if `maxDistance` is not above 0 or there is no body of a number in `without`; Memory,
+  /// Cancelled.
   SceneResult query(const PointsView& points, const SceneOptions& options = {},
                     const MachineOptions& machine = {}) const;
   /// Does the same for many configurations at once, in place of the scene's own poses. Throws `Error(Usage)`,

@@ -11,7 +11,8 @@ struct SimplifyOptions {
   /// limit.
   double tolerance = 0.0;
   /// Distance between these points; 0 = ten times the tolerance, or a quarter of the mean edge of
-  /// `triangles`, at least the mesh's own mean edge.
+  /// `triangles`, at least the mesh's own mean edge. It is enlarged until all points are at most about a
+  /// million, and 32 for each face.
   double step = 0.0;
   /// Most triangles of the result, 0 = no limit. The tolerance is then the least that was found to reach it.
   size_t triangles = 0;
@@ -29,7 +30,7 @@ struct Simplified {
 /// consistently oriented, no closed part turns inside out, and no faces cross that did not cross before. All
 /// this is checked, and collapses are undone where a check fails. If checks fail in spite of that, the result
 /// is the given mesh. Vertices at the same position count as one if the mesh is not watertight otherwise.
-/// Same mesh, same result, for any number of threads. `machine.threads`, `warn` and `progress` count.
+/// Same mesh, same result, for any number of threads. `machine.threads`, `warn` and `progress` are used.
 ///
 /// A mesh with at most `SimplifyOptions::triangles` is kept. If no tolerance reaches this number, or not the
 /// given one, the result has the fewest triangles that were found, and a warning says so.

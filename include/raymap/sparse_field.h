@@ -25,7 +25,7 @@ struct BandOptions {
 };
 
 /// A signed distance field near a surface alone: a narrow band. Leaves hold the values of 8 x 8 x 8 samples
-/// each. Of every other sample it is known whether it lies inside. The memory grows with the surface, so a
+/// each. Every other sample is known to lie inside or outside. The memory grows with the surface, so a
 /// lattice may have more samples than any memory holds.
 struct RAYMAP_API SparseField {
   static constexpr int kLeafSide = 8;  ///< Samples along the side of a leaf.
@@ -79,15 +79,15 @@ RAYMAP_API void validate(const SparseField& band);
 
 /// Returns the field of all samples. Distances are those of `SparseField::distanceAt`. `clampDistance` is the
 /// smaller of both widths: on the wider side, distances beyond it are kept, and are right. Samples in no leaf
-/// have `kNoTriangle` and NaN for winding number and confidence. `machine.threads` and `memoryLimit` count.
-/// Throws `Error`: Usage if the band is not valid, Memory if the field does not fit.
+/// have `kNoTriangle` and NaN for winding number and confidence. `machine.threads` and `memoryLimit` are
+/// used. Throws `Error`: Usage if the band is not valid, Memory if the field does not fit.
 RAYMAP_API Field toDense(const SparseField& band, const MachineOptions& machine = {});
 /// Returns the field of a box of samples. Throws `Error(Usage)`, too, if it does not lie on the lattice.
 RAYMAP_API Field toDense(const SparseField& band, const Region& region, const MachineOptions& machine = {});
 
 /// Returns the samples of a field near its surface. Leaves are those cubes of 8 x 8 x 8 samples that have an
 /// active sample, or samples of both sides. Distances are clamped to the band. `machine.threads` and
-/// `memoryLimit` count. Throws `Error`: Usage for a band that makes no sense or is wider than the field's
+/// `memoryLimit` are used. Throws `Error`: Usage for a band that makes no sense or is wider than the field's
 /// `clampDistance`, and for arrays that the field lacks; Input if a distance is NaN; Memory.
 RAYMAP_API SparseField toSparse(const Field& field, const BandOptions& options = {},
                                 const MachineOptions& machine = {});

@@ -20,12 +20,12 @@ namespace raymap {
 ///
 /// Distances are those to the mesh itself, within a millionth of its diagonal. (Farther from the mesh than
 /// its size, they are within a millionth of the distance.) Signs follow the winding number, as those of
-/// `generate`. What a point gets depends neither on the other points of the call, nor on their order, nor on
-/// the number of threads.
+/// `generate`. The results of a point depend neither on the other points of the call, nor on their order, nor
+/// on the number of threads.
 class RAYMAP_API Surface {
  public:
-  /// Prepares a mesh on the CPU. `machine.threads`, `memoryLimit` and `progress` count. Throws `Error`: Input
-  /// (see `validate`), Usage for the options, Memory, Cancelled.
+  /// Prepares a mesh on the CPU. `machine.threads`, `memoryLimit` and `progress` are used. Throws `Error`:
+  /// Input (see `validate`), Usage for the options, Memory, Cancelled.
   explicit Surface(const MeshView& mesh, const SurfaceOptions& options = {},
                    const MachineOptions& machine = {});
   /// Does the same, and keeps the mesh instead of a copy.
@@ -34,8 +34,8 @@ class RAYMAP_API Surface {
   Surface(Surface&&) noexcept;
   Surface& operator=(Surface&&) noexcept;
 
-  /// Returns what is asked for at the points. `machine.threads` and `progress` count. Throws `Error`: Usage
-  /// for options that make no sense, Memory, Cancelled.
+  /// Returns what is asked for at the points. `machine.threads` and `progress` are used. Throws `Error`:
+  /// Usage for options that make no sense, Memory, Cancelled.
   QueryResult query(const PointsView& points, const QueryOptions& options = {},
                     const MachineOptions& machine = {}) const;
   /// Does the same, reusing the memory of `result`. After an error its contents are undefined.
@@ -49,7 +49,7 @@ class RAYMAP_API Surface {
 
   /// Returns the field near the surface alone, on a lattice of up to 2^24 samples a side. A sample's values
   /// are those of `query` at its position, rounded to `float`, however the lattice lies around it.
-  /// `machine.threads`, `memoryLimit`, `warn` and `progress` count. Throws `Error`: Usage for a grid or
+  /// `machine.threads`, `memoryLimit`, `warn` and `progress` are used. Throws `Error`: Usage for a grid or
   /// options that make no sense, Memory, Cancelled.
   SparseField generateBand(const Grid& grid, const BandOptions& options = {},
                            const MachineOptions& machine = {}) const;
@@ -58,9 +58,9 @@ class RAYMAP_API Surface {
   /// `query` at its position on the lattice, `lattice.position(sample)`, rounded to `float`, however the
   /// lattice is cut into regions. With a band, the distances are clamped after that. The field's grid has the
   /// position of the region's first sample as its origin, so positions on it may differ from those on the
-  /// lattice in the last bits. `machine.threads`, `memoryLimit`, `warn` and `progress` count. Throws `Error`:
-  /// Usage for a region that does not lie on the lattice, for a lattice or options that make no sense,
-  /// Memory, Cancelled.
+  /// lattice in the last bits. `machine.threads`, `memoryLimit`, `warn` and `progress` are used. Throws
+  /// `Error`: Usage for a region that does not lie on the lattice, for a lattice or options that make no
+  /// sense, Memory, Cancelled.
   Field generateRegion(const Grid& lattice, const Region& region, const RegionOptions& options = {},
                        const MachineOptions& machine = {}) const;
   /// Returns the distance that all samples of a region have in its field if they lie beyond the band on one
@@ -70,7 +70,7 @@ class RAYMAP_API Surface {
   std::optional<double> farDistance(const Grid& lattice, const Region& region,
                                     const RegionOptions& options) const;
   /// Returns the most bytes that the surface and a region of this size hold together while the region is
-  /// made. `machine.threads` counts. Throws `Error(Usage)` for a size without samples.
+  /// made. `machine.threads` is used. Throws `Error(Usage)` for a size without samples.
   size_t regionBytes(const glm::ivec3& size, const RegionOptions& options = {},
                      const MachineOptions& machine = {}) const;
 
@@ -83,8 +83,8 @@ class RAYMAP_API Surface {
   /// Returns what it cost to prepare the mesh, and what was found out about it.
   const Stats& stats() const;
 
-  /// Returns the thickness of the mesh at points of its faces. `machine.threads` and `progress` count. Throws
-  /// `Error`: Usage for options that make no sense, for a face that does not exist and without a sign;
+  /// Returns the thickness of the mesh at points of its faces. `machine.threads` and `progress` are used.
+  /// Throws `Error`: Usage for options that make no sense, for a face that does not exist and without a sign;
   /// Memory, Cancelled.
   std::vector<Thickness> thickness(std::span<const FacePoint> points, const ThicknessOptions& options = {},
                                    const MachineOptions& machine = {}) const;

@@ -32,7 +32,7 @@ RAYMAP_API ThicknessSummary summarizeThickness(std::span<const FacePoint> points
                                                std::span<const Thickness> thickness);
 
 /// Measures the thickness at 100,000 points that are spread evenly over the area of the mesh.
-/// `machine.threads` and `progress` count.
+/// `machine.threads` and `progress` are used.
 RAYMAP_API ThicknessSummary summarizeThickness(const Surface& surface, const ThicknessOptions& options = {},
                                                const MachineOptions& machine = {});
 

@@ -8,7 +8,7 @@
 
 namespace raymap {
 
-/// Kind of a mesh. Where several apply, the first of these counts.
+/// Kind of a mesh. Where several apply, it is the first of these.
 enum class MeshKind : uint8_t {
   NoSurface,          ///< All faces are degenerate.
   DoubleSided,        ///< At least half of the faces are double-sided.
@@ -16,8 +16,11 @@ enum class MeshKind : uint8_t {
   Sheet,              ///< Open, and most of it too much so to have an inside.
   OpenSolid,          ///< With holes, as scans have, or with loose sheets.
   TurnedFaces,        ///< Closed, but some faces point the other way than their neighbours.
-  OverlappingSolids,  ///< Several closed parts with faces that cross.
-  CrossingSolid,      ///< One closed part that crosses itself.
+  OverlappingSolids,  ///< Several closed parts, some of which overlap (`Arrangement::Overlapping`).
+  TouchingSolids,     ///< Several closed parts, some of which touch in a plane (`Arrangement::Touching`).
+  MisnestedSolids,    ///< Several closed parts, some of which face the wrong way for where they lie
+                      ///< (`Arrangement::Misnested`).
+  CrossingSolid,      ///< A closed part that crosses itself.
   FlawedSolid,        ///< Closed, with non-manifold edges, or with degenerate or duplicate faces.
   InsideOut,          ///< Closed, with all faces inwards.
   SeveralSolids,      ///< Several closed parts with nothing wrong.
@@ -31,19 +34,24 @@ enum class Remedy : uint8_t {
   Thicken  ///< `generate` with a thickness, then `isosurface`.
 };
 
-/// What kind of thing a mesh is, and what makes a clean solid of it.
+/// Kind of thing that a mesh is, and what makes a clean solid of it.
 struct Verdict {
-  MeshKind kind = MeshKind::NoSurface;  ///< Kind of the mesh.
-  Remedy remedy = Remedy::None;         ///< Command that makes a clean solid of it.
+  MeshKind kind = MeshKind::NoSurface;             ///< Kind of the mesh.
+  Remedy remedy = Remedy::None;                    ///< Command that makes a clean solid of it.
+  Arrangement arrangement = Arrangement::Unknown;  ///< How its closed parts lie to each other.
   double sought = 0.0;  ///< Thickness up to which thin parts were looked for; 0 = it was not measured.
   /// Thickness of the thinnest part, in the mesh's units. Nothing if no part is thinner than `sought`.
   std::optional<double> thinnest = {};
   /// Largest distance between samples that keeps that part: half of it, rounded down to two digits.
   std::optional<double> voxelSize = {};
+  /// Thickness that suits a sheet: a fiftieth of its longest side, in one digit. 0 = it is none.
+  double thickness = 0.0;
 };
 
 /// Judges a mesh by what `diagnose` and `findSelfIntersections` found, without its thickness. The diagnostics
-/// must not be brief. Without crossings, the mesh is taken for one without any.
-RAYMAP_API Verdict judge(const Diagnostics& found, const std::optional<SelfIntersections>& crossings);
+/// must not be brief. Without crossings, the mesh is taken for one without any. `arrangement` comes from
+/// `arrangeParts`; unknown, closed parts are taken for apart unless faces cross.
+RAYMAP_API Verdict judge(const Diagnostics& found, const std::optional<SelfIntersections>& crossings,
+                         Arrangement arrangement = Arrangement::Unknown);
 
 }  // namespace raymap

@@ -106,7 +106,7 @@ class RAYMAP_API Generator {
   ///
   /// It allocates no device memory, submits nothing and waits for nothing. Earlier frames may still run.
   /// `options.distance` and `options.sign` must be the reserved ones; the others may change from frame to
-  /// frame. Options about which results are wanted do not count: `target` decides them.
+  /// frame. Options that ask for results are ignored: `target` decides them.
   ///
   /// The frame begins with a barrier that waits for all earlier commands on the queue. It ends with one that
   /// makes the results visible to all later commands and to the host. Frames on one queue therefore share the

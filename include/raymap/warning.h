@@ -14,6 +14,7 @@ enum class WarningCode {
   DeviceFailed,       ///< The device "auto" is the CPU, because the GPU failed at the work: `device`.
   OrientationMisfit,  ///< No directions of the faces fit the crossings, so signs may be wrong. `share` is the
                       ///< misfit, which may exceed 1.
+  PartsInsideOut,     ///< `count` parts are inside out and cross others. The sign reverses them.
   BoxReached,         ///< The solid reaches the grid's box, and was closed there.
   SolidLost,    ///< `share` of the mesh's area is lost, and most of it bounds parts of the solid. `voxelSize`
                 ///< keeps them, or most of them; 0 = none does.
@@ -27,11 +28,18 @@ enum class WarningCode {
   NoHollow,           ///< The solid is nowhere thick enough for a hollow.
   DrainHolesMissing,  ///< `count` drain holes are missing, because the floors have no place for them.
   TrianglesMissed,    ///< `count` triangles are left, which is more than were asked for.
-  NothingInside,  ///< No sample is inside, though the mesh lies in the grid. `voxelSize` is fine enough for
-                  ///< the mesh; if it is 0, the mesh encloses nothing, and `length` is a thickness for a
-                  ///< solid.
-  PartFile        ///< An earlier run left a part of `file`, which this one goes on with or drops, or this one
-                  ///< leaves a part.
+  NothingInside,   ///< No sample is inside, though the mesh lies in the grid. `voxelSize` is fine enough for
+                   ///< the mesh; if it is 0, the mesh encloses nothing, and `length` is a thickness for a
+                   ///< solid.
+  Sheet,           ///< The mesh is a sheet. `length` is a thickness for it.
+  BoundsLeft,      ///< The result reaches beyond the mesh's bounds, by `length`.
+  PartsThickened,  ///< `share` of the mesh's area is on walls that are more than twice as thick now,
+                   ///< `length`. `voxelSize` keeps them; 0 = none with a reasonable number of samples does.
+  LooseBodies,     ///< `count` bodies lie loose in a hollow.
+  FarVertices,     ///< `count` vertices lie at least 10^9 sizes of the mesh away, the farthest by `length`:
+                   ///< `file`.
+  PartFile  ///< An earlier run left a part of `file`, which this one goes on with or drops, or this one
+            ///< leaves a part.
 };
 
 /// Values that a warning names. Its code says which it has; the others are empty or 0.

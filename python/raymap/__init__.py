@@ -7,10 +7,12 @@
 array([-0.5,  0.1], dtype=float32)
 """
 
-import importlib
+import atexit
+import importlib.util
+import sys
 from typing import TYPE_CHECKING, Any
 
-from . import dataset, recipes, zarr
+from . import _raymap, dataset, recipes, zarr
 from ._devices import devices, test_device
 from ._errors import (
     Cancelled,
@@ -28,7 +30,6 @@ from ._field import NO_TRIANGLE, Field, load_field
 from ._generate import FieldOptions, Generator, generate
 from ._mesh import Animation, Mesh, load_animation, load_mesh
 from ._pyramid import generate_pyramid, load_pyramid, save_pyramid
-from ._raymap import version as _version
 from ._records import (
     Comparison,
     DeviceInfo,
@@ -63,6 +64,8 @@ from ._surface import (
 )
 from ._threads import get_threads, set_threads
 
+_OPTIONAL = ("dask", "jax", "torch")  # Modules that need the packages of these names.
+
 if TYPE_CHECKING:
     from . import dask as dask
     from . import jax as jax
@@ -70,13 +73,31 @@ if TYPE_CHECKING:
 else:
 
     def __getattr__(name: str) -> Any:
-        """Imports raymap.dask, raymap.jax and raymap.torch, which need these packages, when they are first used."""
-        if name in ("dask", "jax", "torch"):
+        """Imports a module that needs another package when it is first used. Without the package, there is no such name."""
+        if name not in _OPTIONAL:
+            raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+        try:
             return importlib.import_module(f".{name}", __name__)
-        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+        except ImportError as error:
+            raise AttributeError(str(error)) from error
 
 
-__version__ = _version()
+def __dir__() -> list[str]:
+    """Returns the names that users may use."""
+    return [*__all__, *filter(_is_installed, _OPTIONAL), *(name for name in globals() if name.startswith("__"))]
+
+
+def _is_installed(package: str) -> bool:
+    return (sys.modules[package] if package in sys.modules else importlib.util.find_spec(package)) is not None
+
+
+@atexit.register
+def _end() -> None:
+    if "torch._dynamo" in sys.modules:  # It keeps what compiled functions use until the end, which is no leak.
+        _raymap.set_leak_warnings(False)
+
+
+__version__ = _raymap.version()
 
 __all__ = [
     "NO_BODY",

@@ -20,7 +20,7 @@ from ._errors import Error, FileError, UsageError, code_of
 from ._frames import Normalization
 from ._records import DistanceMode, Orientation, Sampling, SignMode
 from ._samples import Region
-from .dataset.files import readable
+from .dataset.files import printable, readable
 from .dataset.pages import page_paths
 from .recipes import RecipeName
 
@@ -46,7 +46,7 @@ def main(arguments: list[str] | None = None) -> int:
             given = vars(_parser().parse_args(arguments))
         return _COMMANDS[given.pop("command")](**given)
     except Error as error:
-        print(f"raymap: error: {_printable(str(error))}", file=sys.stderr)
+        print(f"raymap: error: {printable(str(error))}", file=sys.stderr)
         return _EXIT_CODES.get(code_of(error), _UNFINISHED)
     except KeyboardInterrupt:
         print("raymap: stopped; run it again to go on", file=sys.stderr)
@@ -54,12 +54,7 @@ def main(arguments: list[str] | None = None) -> int:
 
 
 def _show_warning(message: Warning | str, *_: object, **__: object) -> None:
-    print(f"raymap: warning: {_printable(str(message))}", file=sys.stderr)
-
-
-def _printable(text: str) -> str:
-    """Returns a text whose control characters, which may command a terminal, are escaped: \\x1b."""
-    return re.sub(r"[\x00-\x1f\x7f-\x9f]", lambda found: f"\\x{ord(found[0]):02x}", text)
+    print(f"raymap: warning: {printable(str(message))}", file=sys.stderr)
 
 
 @contextmanager
@@ -221,7 +216,7 @@ def _dataset(meshes: list[str], output: str, scheduler: str | None, progress: st
             f"{len(summary.done)} done, {len(summary.quarantined)} quarantined, {len(summary.unfinished)} unfinished; "
             f"{len(summary.new)} of them new, in {summary.seconds:.1f} s"
         )
-        print(f"See {_printable(readable(page_paths(Path(output), options.get('what', 'field'))[1]))}")
+        print(f"See {printable(readable(page_paths(Path(output), options.get('what', 'field'))[1]))}")
     return _UNFINISHED if summary.unfinished else 0
 
 
@@ -230,9 +225,9 @@ def _field(mesh: str, output: str, scheduler: str | None, progress: str | None, 
     _join_bounds(options)
     with _client(scheduler) as client:
         if client is not None and "dashboard" in client.scheduler_info()["services"]:
-            print(f"raymap: dashboard: {_printable(client.dashboard_link)}", file=sys.stderr)
+            print(f"raymap: dashboard: {printable(client.dashboard_link)}", file=sys.stderr)
         summary = zarr.generate(mesh, output, client=client, **options)
-    name = _printable(readable(output))
+    name = printable(readable(output))
     with _stdout_errors():
         if summary.new == 0:
             print(f"{name} was finished before: {summary.shards} shards")

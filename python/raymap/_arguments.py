@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import operator
+import os
 from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any, get_args
 
@@ -80,6 +81,15 @@ def to_text(name: str, value: Any) -> str:
     if not isinstance(value, str):
         raise TypeError(f"{name} must be a text, not {_shown(value)}")
     return value
+
+
+def to_path(path: Any) -> str:
+    """Returns the name of a file; ``~`` at its begin is the home of the user, as in a shell.
+
+    Raises:
+        TypeError: The value is no path.
+    """
+    return os.path.expanduser(os.fsdecode(path))
 
 
 def to_threads(threads: Any) -> int:

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+import numbers
 import sys
 from collections.abc import Sequence
+from decimal import Decimal
 from typing import Any, Literal, TypeAlias, TypedDict
 
 import numpy as np
 import numpy.typing as npt
 
-from ._errors import InputError
+from ._errors import InputError, UsageError
 
 #: Points that get NumPy's arrays back. Arrays of other frameworks get their own.
 Points: TypeAlias = npt.NDArray[Any] | Sequence[Any]
@@ -25,14 +27,33 @@ class SampleOptions(TypedDict, total=False):
     threads: int | None
 
 
-#: What to do for those who give points in place of faces.
-POINTS_HINT = "for distances at points, use raymap.signed_distance(mesh, points), or raymap.Surface for several calls"
+def to_numpy(name: str, array: Any, instead: str = "") -> npt.NDArray[Any]:
+    """Returns any array as NumPy's, in host memory, without a copy where possible.
+
+    Args:
+        name: What to call it in errors.
+        array: An array of any framework, numbers, or lists of them. NumPy's arrays of objects become float64, shorter
+            floats of other frameworks float32.
+        instead: The function that follows gradients.
+
+    Raises:
+        UsageError: A framework follows its gradient, which would be lost.
+        InputError: Rows of different lengths, or objects that are no numbers.
+    """
+    if not isinstance(array, np.ndarray):
+        array = _host_array(name, array, instead)
+    return _of_numbers(name, array) if array.dtype.kind in "OV" and array.ndim > 0 else array
 
 
-def to_numpy(array: Any) -> npt.NDArray[Any]:
-    """Returns any array as NumPy's, in host memory, without a copy where possible."""
-    if isinstance(array, np.ndarray) or not hasattr(array, "__dlpack__"):
-        return np.asarray(array)
+def _host_array(name: str, array: Any, instead: str) -> npt.NDArray[Any]:
+    if not hasattr(array, "__dlpack__"):
+        try:
+            return np.asarray(array)
+        except ValueError as error:  # NumPy's text names no argument.
+            if "inhomogeneous" not in str(error):
+                raise
+            raise InputError(f"{name} must be rows of the same length: {_ragged(array)}") from None
+    check_gradient(name, array, instead)
     if hasattr(array, "detach"):  # PyTorch exports nothing that is part of a graph.
         array = array.detach()
     if hasattr(array, "cpu"):  # PyTorch and Open3D
@@ -40,67 +61,75 @@ def to_numpy(array: Any) -> npt.NDArray[Any]:
     elif hasattr(array, "get"):  # CuPy
         array = array.get()
     if hasattr(array, "numpy"):
+        if any(name in str(getattr(array, "dtype", "")) for name in ("bfloat16", "float8")):  # NumPy has no such types.
+            array = array.float()
         return np.asarray(array.numpy())
     return np.asarray(array) if hasattr(array, "__array__") else np.from_dlpack(array)
+
+
+def check_gradient(name: str, array: Any, instead: str) -> None:
+    """Raises UsageError if the result would have no gradient although PyTorch or JAX follows one."""
+    torch, jax = sys.modules.get("torch"), sys.modules.get("jax")
+    if torch is not None and isinstance(array, torch.Tensor):
+        is_dual = torch.autograd.forward_ad.unpack_dual(array).tangent is not None
+        if is_dual or (array.requires_grad and torch.is_grad_enabled()):
+            use = f"use raymap.torch.{instead}, or" if instead else "give"
+            raise UsageError(f"{name} require gradients, which this function would drop: {use} {name}.detach()")
+    elif jax is not None and isinstance(array, jax.core.Tracer):
+        use = f"; use raymap.jax.{instead}" if instead else ""
+        raise UsageError(f"{name} must be an array, but are traced by a transformation of JAX{use}")
+
+
+def _ragged(rows: Any) -> str:
+    """Says which row of lists has another length than the first."""
+    sizes = [np.size(row) for row in rows] if all(np.ndim(row) <= 1 for row in rows) else []
+    odd = next((k for k, size in enumerate(sizes) if size != sizes[0]), None)
+    return "they are ragged" if odd is None else f"row {odd} has {sizes[odd]} numbers, row 0 has {sizes[0]}"
+
+
+def _of_numbers(name: str, array: npt.NDArray[Any]) -> npt.NDArray[Any]:
+    """Returns objects and short floats, which are no types of NumPy, as numbers."""
+    if array.dtype.kind == "V":
+        return array.astype(np.float32) if "float" in array.dtype.name else array
+    for index, value in np.ndenumerate(array):
+        if not isinstance(value, (numbers.Real, Decimal)):
+            at = ", ".join(map(str, index))
+            raise InputError(f"{name} must be numbers, but [{at}] is {'None' if value is None else type(value).__name__}")
+    return array.astype(np.float64)
+
+
+def still(array: Any) -> Any:
+    """Returns an array without its gradient, for results that have none."""
+    return array.detach() if hasattr(array, "detach") else array
 
 
 def like(result: npt.NDArray[Any], example: Any) -> Any:
     """Returns the result in the framework of the example and on its device; as NumPy's array for anything else.
 
-    PyTorch gets indices as int64: it indexes with no unsigned numbers.
+    Real numbers of other frameworks are no longer than those of the example, if that has real numbers. PyTorch gets
+    indices as int64: it indexes with no unsigned numbers.
     """
     if isinstance(example, np.ndarray) or not hasattr(example, "__dlpack__"):
         return result
     torch: Any = sys.modules.get("torch")
     if torch is not None and isinstance(example, torch.Tensor):
-        return torch.from_numpy(result.astype(np.int64) if result.dtype == np.uint32 else result).to(example.device)
+        made = torch.from_numpy(result.astype(np.int64) if result.dtype == np.uint32 else result).to(example.device)
+        is_long = result.dtype.kind == "f" and example.is_floating_point() and example.itemsize < made.itemsize
+        return made.to(example.dtype) if is_long else made
     if hasattr(example, "__array_namespace__"):
-        return example.__array_namespace__().asarray(result, device=example.device)
+        space, kind = example.__array_namespace__(), getattr(example, "dtype", result.dtype)
+        made = space.asarray(result, device=example.device)
+        is_long = result.dtype.kind == "f" and kind.itemsize < result.dtype.itemsize
+        return made.astype(kind) if is_long and space.isdtype(kind, "real floating") else made
     return result
 
 
-def checked_arrays(vertices: Any, faces: Any) -> tuple[npt.NDArray[Any], npt.NDArray[Any]]:
-    """Returns vertices as float32 or float64 and faces as uint32 or uint64, laid out as the extension reads them."""
-    positions, corners = to_numpy(vertices), to_numpy(faces)
-    _check_rows("vertices", "positions", positions)
-    _check_rows("faces", "vertex numbers", corners)
-    if positions.dtype not in (np.float32, np.float64) or not positions.dtype.isnative:
-        if positions.dtype.kind not in "fiub":
-            raise InputError(f"vertices must be numbers, not {positions.dtype}")
-        positions = positions.astype(np.float64)
-    if corners.dtype.kind not in "iu":
-        hint = f"; {POINTS_HINT}" if corners.dtype.kind == "f" else ""
-        raise InputError(f"faces must be whole numbers, not {corners.dtype}{hint}")
-    if corners.dtype.kind == "i" and corners.size > 0 and corners.min() < 0:
-        face = int(np.argmax((corners < 0).any(axis=1)))
-        raise InputError(f"face {face} has a negative vertex number: {corners[face].tolist()}")
-    size = 8 if corners.dtype.itemsize == 8 else 4
-    if corners.dtype.itemsize == size and corners.dtype.isnative:
-        corners = corners.view(f"u{size}")
-    else:
-        corners = corners.astype(f"u{size}")
-    return _with_whole_rows(positions), _with_whole_rows(corners)
-
-
-def _check_rows(name: str, content: str, array: npt.NDArray[Any]) -> None:
-    if array.ndim != 2 or array.shape[1] != 3:
-        raise InputError(f"{name} must be (n, 3) {content}, not of the shape {array.shape}")
-
-
-def _with_whole_rows(array: npt.NDArray[Any]) -> npt.NDArray[Any]:
-    """Returns an array whose rows ascend in memory without overlap, and have no gaps in them. Copies if need be."""
-    item = array.dtype.itemsize
-    if array.strides[1] == item and array.strides[0] >= 3 * item and array.strides[0] % item == 0:
-        return array
-    return np.ascontiguousarray(array)
-
-
-def to_points(points: Any, *, keep_single: bool = False) -> tuple[npt.NDArray[Any], tuple[int, ...]]:
+def to_points(points: Any, instead: str = "", *, keep_single: bool = False) -> tuple[npt.NDArray[Any], tuple[int, ...]]:
     """Returns points of any shape (..., 3) as (n, 3) float64, or on request float32 as float32; and their shape.
 
-    An empty list has the shape (0, 3).
+    An empty list has the shape (0, 3). ``instead`` is the function that follows gradients.
     """
-    array = to_numpy(points)
+    array = to_numpy("points", points, instead)
     if array.shape == (0,):
         array = array.reshape(0, 3)
     if array.ndim == 0 or array.shape[-1] != 3:
@@ -113,21 +142,22 @@ def to_points(points: Any, *, keep_single: bool = False) -> tuple[npt.NDArray[An
 
 def as_precise(result: Any, points: Any) -> npt.NDArray[Any]:
     """Returns a result of float64 as float32 if the points are float32, else as it is."""
-    single = result.dtype == np.float64 and to_numpy(points).dtype == np.float32
-    return np.asarray(result, np.float32 if single else None)
+    single = result.dtype == np.float64 and to_numpy("points", still(points)).dtype == np.float32
+    with np.errstate(over="ignore"):
+        return np.asarray(result, np.float32 if single else None)
 
 
-def to_poses(name: str, poses: Any, shape: tuple[int, ...]) -> npt.NDArray[np.float64]:
-    """Returns poses as (n, 4, 4) float64. ``shape`` is what they must have; -1 is any number of configurations.
+def to_poses(name: str, poses: Any, shape: tuple[int, ...], *, many: bool = False) -> npt.NDArray[np.float64]:
+    """Returns poses of this shape as float64; on request also those of many configurations, with an axis before.
 
     Raises:
         InputError: Poses of another shape, or no numbers.
     """
-    array = to_numpy(poses)
-    free = shape[0] < 0 and array.ndim == len(shape)
-    if array.shape != (array.shape[:1] + shape[1:] if free else shape):
-        text = ", ".join("configurations" if length < 0 else str(length) for length in shape)
-        raise InputError(f"{name} must be ({text}) numbers, not of the shape {array.shape}")
+    array = to_numpy(name, poses)
+    if array.shape != shape and not (many and array.ndim == len(shape) + 1 and array.shape[1:] == shape):
+        sizes = ", ".join(map(str, shape))
+        text = f"({sizes}) or (configurations, {sizes})" if many else f"({sizes})"
+        raise InputError(f"{name} must be {text} numbers, not of the shape {array.shape}")
     if array.dtype.kind not in "fiub":
         raise InputError(f"{name} must be numbers, not {array.dtype}")
-    return np.ascontiguousarray(array, np.float64).reshape(-1, 4, 4)
+    return np.ascontiguousarray(array, np.float64)

@@ -86,7 +86,12 @@ _REMEDIES = {
     "device_refused": "raymap.test_device({device!r})",
     "device_failed": "device='cpu' leaves the GPU out",
     "orientation_misfit": "raymap.info",
+    "parts_inside_out": "orientation='keep'",
     "solid_lost": "voxel_size={voxel_size:g}",
+    "parts_thickened": "voxel_size={voxel_size:g}",
+    "sheet": "base, or thickness={length:g} of raymap.generate",
+    "bounds_left": "min_thickness",
+    "loose_bodies": "keep_cavities=False",
     "surface_lost": "min_thickness",
     "parts_dropped": "drop_smaller=0",
     "parts_kept": "drop_smaller",
@@ -102,7 +107,7 @@ def worded(code: str, message: str, fields: dict[str, Any]) -> str:
     """Returns the message of a warning with the argument or the function that helps, if there is one."""
     remedy = _REMEDIES.get(code, "")
     if "voxel_size" in remedy and not fields["voxel_size"]:
-        remedy = "thickness={length:g}" if fields.get("length") else ""
+        remedy = "thickness={length:g}" if code == "nothing_inside" and fields["length"] else ""
     return f"{message} ({remedy.format(**fields)})" if remedy else message
 
 

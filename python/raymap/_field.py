@@ -11,8 +11,8 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _arrays, _html, _raymap
-from ._arguments import FINITE, to_box, to_length, to_number, to_text, to_vector
-from ._errors import UsageError
+from ._arguments import FINITE, to_box, to_length, to_number, to_path, to_text, to_vector
+from ._errors import InputError, UsageError
 from ._frames import IDENTITY, Frame, frame_arrays, read_frame, to_frame
 from ._grid_field import GridField
 from ._records import FieldArray, Stats
@@ -47,7 +47,7 @@ class Field(GridField):
 
     Raises:
         UsageError: The arrays are not of one shape with three dimensions, or the grid makes no sense.
-        InputError: The centre or the scale makes no sense.
+        InputError: The centre or the scale makes no sense, or an array has other numbers.
 
     >>> x, y, z = np.mgrid[-2:3, -2:3, -2:3]
     >>> ball = raymap.Field(np.sqrt(x**2 + y**2 + z**2) - 1.5, origin=(-2, -2, -2))
@@ -74,7 +74,7 @@ class Field(GridField):
         scale: float = 1.0,
     ) -> None:
         arrays = {"distance": distance, "winding": winding, "confidence": confidence, "triangle": triangle}
-        shape = np.shape(_arrays.to_numpy(distance))
+        shape = np.shape(_arrays.to_numpy("distance", distance))
         if len(shape) != 3 or 0 in shape:
             raise UsageError(f"distance must be (nx, ny, nz), not of the shape {shape}")
         box = None if surface_bounds is None else to_box("surface_bounds", surface_bounds)
@@ -83,10 +83,11 @@ class Field(GridField):
         self._take(core, to_frame(centre, scale))
         for name, array in arrays.items():
             if array is not None:
-                given = _arrays.to_numpy(array)
+                given = _arrays.to_numpy(name, array)
                 if given.shape != shape:
                     raise UsageError(f"{name} must have the shape of distance, {shape}, not {given.shape}")
                 self._set(name, _ordered(name, given))
+        core.validate()
 
     def _take(self, core: _raymap.Field, frame: Frame, stats: Stats | None = None) -> None:
         self._hold(core, frame)
@@ -163,7 +164,7 @@ class Field(GridField):
         >>> bool((raymap.load_field("ball.npz").distance == field.distance).all())
         True
         """
-        text = os.fspath(path)
+        text = to_path(path)
         if self._frame.is_identity:
             self._core.save(text, array)
         elif text.lower().endswith(".npz"):
@@ -194,7 +195,17 @@ class Field(GridField):
 
 
 def _ordered(name: str, array: npt.NDArray[Any]) -> npt.NDArray[Any]:
-    return np.asfortranarray(array, np.uint32 if name == "triangle" else np.float32)
+    """Returns an array in the type and the order in memory of the library.
+
+    Raises:
+        InputError: It has no real numbers, or for triangles no whole ones.
+    """
+    is_whole = name == "triangle"
+    if array.dtype.kind not in ("iu" if is_whole else "fiu"):
+        hint = "; a mask has no distances, a field has" if array.dtype.kind == "b" else ""
+        raise InputError(f"{name} must be {'whole' if is_whole else 'real'} numbers, not {array.dtype}{hint}")
+    with np.errstate(over="ignore"):  # Distances beyond float32 become infinite.
+        return np.asfortranarray(array, np.uint32 if is_whole else np.float32)
 
 
 def core_of_field(field: Field) -> _raymap.Field:
@@ -236,11 +247,15 @@ def _restore(
     frame: Frame,
 ) -> Field:
     """Makes a field of what was pickled."""
-    core = _raymap.Field(shape, to_vector("origin", origin), spacing, clamp_distance, surface_bounds)
+    box = None if surface_bounds is None else to_box("surface_bounds", surface_bounds)
+    clamp = to_number("clamp_distance", clamp_distance, least=0.0, most=FINITE)
+    core = _raymap.Field(shape, to_vector("origin", origin), to_length("spacing", spacing), clamp, box)
     restored = Field.__new__(Field)
     restored._take(core, frame, stats)
     for name, array in arrays.items():
         restored._set(name, _ordered(name, array))
+    if "distance" in arrays or not arrays:  # The shapes of all arrays have been compared.
+        core.validate()
     return restored
 
 
@@ -264,5 +279,5 @@ def load_field(path: str | os.PathLike[str], grid: str | None = None) -> Field:
     >>> raymap.load_field("ball.vdb")
     raymap.Field(16 x 16 x 16 samples, spacing 0.15, arrays distance)
     """
-    core = _raymap.load_field(os.fspath(path), to_text("grid", "" if grid is None else grid))
-    return field_of_core(core, read_frame(Path(path)) if os.fspath(path).lower().endswith(".npz") else IDENTITY)
+    core = _raymap.load_field(to_path(path), to_text("grid", "" if grid is None else grid))
+    return field_of_core(core, read_frame(Path(to_path(path))) if to_path(path).lower().endswith(".npz") else IDENTITY)

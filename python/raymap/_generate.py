@@ -33,6 +33,7 @@ class SurfaceFieldOptions(TypedDict, total=False):
     shape: Iterable[int] | None
     cube: bool
     origin: npt.ArrayLike | None
+    align: bool
     distance: DistanceMode
     sign: SignMode
     passes: int
@@ -78,6 +79,7 @@ def generate(
     shape: Iterable[int] | None = None,
     cube: bool = False,
     origin: npt.ArrayLike | None = None,
+    align: bool = False,
     normalize: bool | Normalization = False,
     distance: DistanceMode = "exact",
     sign: SignMode = "harmonic",
@@ -122,6 +124,9 @@ def generate(
         cube: Whether the grid has ``resolution`` samples along every side: ``shape=(resolution,) * 3``.
         origin: Position of sample (0, 0, 0). It needs ``shape`` and ``voxel_size``, and with them says which samples
             there are, whatever ``bounds`` and ``padding`` say.
+        align: Whether sample (0, 0, 0) lies on multiples of 8 times the spacing, as OpenVDB's leaves do. Samples of all
+            such fields of one ``voxel_size`` coincide, so level sets of them can be combined. The grid then begins up
+            to 8 samples before the box. Not with ``shape`` or ``cube``.
         normalize: Whether the mesh is first moved to 0 and scaled, by the centre of its bounds, so that all meshes have
             one size. ``"sphere"`` (or True): the ball about 0 that holds it has radius 1. ``"cube"``: its longest side
             reaches from -1 to 1. ``"unit"``: from -0.5 to 0.5. Lengths of the field and of all other arguments are then
@@ -186,6 +191,7 @@ def generate(
         shape=shape,
         cube=cube,
         origin=origin,
+        align=align,
         normalize=normalize,
         distance=distance,
         sign=sign,
@@ -299,7 +305,10 @@ def fit_grid(fit: Callable[..., _raymap.Grid], options: SurfaceFieldOptions) -> 
         if shape is None or size == 0.0:
             raise UsageError("origin needs shape and voxel_size beside it; or say the box by bounds")
         return _raymap.Grid(shape, to_vector("origin", origin), size)
-    return fit(resolution, size, shape, box, padding, wall)
+    align = bool(options.get("align", False))
+    if align and shape is not None:
+        raise UsageError("align says where samples lie, as shape and cube do; leave one of them out")
+    return fit(resolution, size, shape, box, padding, wall, align)
 
 
 def _to_shape(options: SurfaceFieldOptions, resolution: int) -> tuple[int, int, int] | None:
@@ -354,7 +363,7 @@ def to_options(given: SurfaceFieldOptions, orientation: Orientation, *, sparse: 
 def _to_offsets(offsets: npt.ArrayLike | None) -> list[tuple[int, int, int]]:
     if offsets is None:
         return []
-    array = to_numpy(offsets)
+    array = to_numpy("offsets", offsets)
     if array.ndim != 2 or array.shape[1] != 3 or array.shape[0] == 0 or array.dtype.kind not in "iu":
         raise UsageError(f"offsets must be (n, 3) whole numbers, not {array.dtype} of the shape {array.shape}")
     if np.abs(array.astype(np.float64)).max() >= 2**31:

@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _arrays, _html, _inputs, _raymap
-from ._arguments import FINITE, to_box, to_number, to_plane, to_text, to_threads, to_vector, to_whole
+from ._arguments import FINITE, to_box, to_number, to_path, to_plane, to_text, to_threads, to_vector, to_whole
 from ._arrays import Points, SampleOptions, Singles
 from ._devices import to_machine
 from ._errors import UsageError
@@ -185,7 +185,7 @@ class GridField:
     def _sample(self, points: Any, gradients: bool, outside: str, threads: int | None) -> Any:
         if outside not in ("bound", "nan"):
             raise UsageError(f"outside must be 'bound' or 'nan', not {outside!r}")
-        flat, shape = _arrays.to_points(points)
+        flat, shape = _arrays.to_points(points, "sample(field, points)")
         result = self._core.sample(flat, gradients, outside == "nan", to_threads(threads))
         return _arrays.like(result.reshape(shape if gradients else shape[:-1]), points)
 
@@ -368,7 +368,7 @@ class GridField:
         page = self._page(name, **options)
         if path is None:
             return page
-        _raymap.write_whole(os.fspath(path), page.encode())
+        _raymap.write_whole(to_path(path), page.encode())
         return None
 
     def show(self, frame_height: int = 600, **options: Unpack[PageOptions]) -> None:

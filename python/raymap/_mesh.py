@@ -4,14 +4,17 @@ from __future__ import annotations
 
 import os
 from functools import cached_property
+from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
 
 from . import _raymap
-from ._arguments import FINITE, to_number, to_whole
-from ._arrays import checked_arrays
+from ._arguments import FINITE, to_number, to_path, to_whole
+from ._errors import Error, UnsupportedError
+from ._faces import checked_arrays
 
 _Origin: TypeAlias = tuple[float, float, float] | None  # Of the library's own meshes, whose vertices are about it.
 
@@ -78,7 +81,7 @@ class Mesh:
             InputError: The mesh is not valid.
             FileError: The file cannot be written.
         """
-        self._core.save(os.fspath(path))
+        self._core.save(to_path(path))
 
     def __repr__(self) -> str:
         return f"raymap.Mesh({len(self.vertices)} vertices, {len(self.faces)} faces)"
@@ -169,17 +172,17 @@ def load_animation(path: str | os.PathLike[str], index: int = 0) -> Animation:
         InputError: Its content is not valid; the text names the element and the value.
         UnsupportedError: Another format.
     """
-    return Animation(_raymap.load_animation(os.fspath(path), to_whole("index", index)))
+    return Animation(_raymap.load_animation(to_path(path), to_whole("index", index)))
 
 
-def load_mesh(path: str | os.PathLike[str], *, allow_empty: bool = False) -> Mesh:
+def load_mesh(path: Any, *, allow_empty: bool = False) -> Mesh:
     """Reads OBJ, PLY, STL, OFF, glTF/GLB, 3MF, FBX or DAE by extension.
 
     Positions are those of the file, in its units (of a 3MF, in millimetres), with the transforms of its nodes. Polygons
     are cut into triangles; all meshes of the file are joined. Odd things in the file are warnings (``RaymapWarning``).
 
     Args:
-        path: File to read.
+        path: File to read, or one that is open, such as ``io.BytesIO``. The content tells the format of one without a name.
         allow_empty: Whether the mesh may have no faces.
 
     Raises:
@@ -191,4 +194,39 @@ def load_mesh(path: str | os.PathLike[str], *, allow_empty: bool = False) -> Mes
     >>> mesh.vertices.shape, mesh.faces.shape
     ((4, 3), (4, 3))
     """
-    return mesh_of_core(_raymap.load_mesh(os.fspath(path), allow_empty))
+    return _load_open(path, allow_empty) if is_file(path) else mesh_of_core(_raymap.load_mesh(to_path(path), allow_empty))
+
+
+def is_file(given: Any) -> bool:
+    """Returns whether this is an open file, or something like one."""
+    return hasattr(given, "read") and hasattr(given, "seek")
+
+
+def _load_open(file: Any, allow_empty: bool) -> Mesh:
+    """Reads an open file from where it stands, by a copy of it: the library reads files by their names."""
+    name = file.name if isinstance(getattr(file, "name", None), str) else ""
+    content = file.read()
+    content = content.encode() if isinstance(content, str) else bytes(content)
+    extension = Path(name).suffix or _extension_of(content)
+    if not extension:
+        raise UnsupportedError("an open file without a name: its content is of no format of meshes that is known")
+    with TemporaryDirectory(prefix="raymap-") as folder:
+        copy = Path(folder, Path(name).name or f"mesh{extension}")
+        copy.write_bytes(content)
+        try:
+            return mesh_of_core(_raymap.load_mesh(str(copy), allow_empty))
+        except Error as error:
+            raise type(error)(str(error).replace(str(copy), name or "the open file")) from None
+
+
+def _extension_of(content: bytes) -> str:
+    """Returns the extension of files that begin so; empty if they are unknown."""
+    begins = {b"ply": ".ply", b"glTF": ".glb", b"PK": ".3mf", b"Kaydara FBX": ".fbx", b"; FBX": ".fbx", b"OFF": ".off",
+              b"COFF": ".off", b"NOFF": ".off", b"{": ".gltf", b"solid": ".stl"}  # fmt: skip
+    if len(content) >= 84 and len(content) == 84 + 50 * int.from_bytes(content[80:84], "little"):
+        return ".stl"
+    if found := next((extension for begin, extension in begins.items() if content.lstrip().startswith(begin)), ""):
+        return found
+    if content.lstrip().startswith(b"<") and b"<COLLADA" in content:
+        return ".dae"
+    return ".obj" if any(line.startswith(b"v ") for line in content.splitlines()) else ""

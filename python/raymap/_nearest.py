@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
 from ._errors import InputError
-from ._surface import Surface
+from ._surface import Query, QueryArray, Surface, corners_of_surface
 
 
 class Nearest(NamedTuple):
@@ -22,6 +23,8 @@ class Nearest(NamedTuple):
     """Vertex numbers of the face, (..., 3). Those that hold the closest point between them come first."""
     weights: npt.NDArray[Any]
     """Weights of these corners, (..., 3); all 0 for a point that is not finite."""
+    places: npt.NDArray[Any]
+    """Places of these corners, (..., 3, 3), from the point."""
 
 
 def find_nearest(
@@ -32,19 +35,53 @@ def find_nearest(
     Raises:
         InputError: Points of another shape, or vertices that are not those of the surface.
     """
+    return hold(surface, points, find_closest(surface, points, vertices, threads))
+
+
+def find_closest(
+    surface: Surface,
+    points: Any,
+    vertices: npt.NDArray[Any] | None,
+    threads: int | None,
+    arrays: tuple[QueryArray, ...] = ("distance", "direction", "triangle", "barycentric"),
+) -> Any:
+    """Returns distances, in a ``Query``, and what their derivatives need. Raises InputError as ``find_nearest`` does."""
     if vertices is not None:
         _check_vertices(surface, vertices)
-    found = surface.query(points, ("distance", "direction", "triangle", "barycentric"), threads=threads)
+    return surface.query(points, arrays, threads=threads)
+
+
+def hold(surface: Surface, points: npt.NDArray[Any], found: Query[Any, Any, Any]) -> Nearest:
+    """Returns the corners that hold closest points, and where they are."""
     is_finite = np.isfinite(found.distance)
-    corners = surface.mesh.faces[np.where(is_finite, found.triangle, 0)].astype(np.int64)
+    corners, places = corners_of_surface(surface, np.where(is_finite, found.triangle, 0), points)
     weights = np.where(is_finite[..., None], found.barycentric, 0)
     order = np.argsort(weights <= 0, axis=-1, kind="stable")
     return Nearest(
         found.distance,
-        np.where((found.distance < 0)[..., None], found.direction, -found.direction),
+        _gradient(found),
         np.take_along_axis(corners, order, axis=-1),
         np.take_along_axis(weights, order, axis=-1),
+        np.take_along_axis(places, order[..., None], axis=-2),
     )
+
+
+def slope(found: Query[Any, Any, Any]) -> npt.NDArray[Any]:
+    """Returns the gradient of distances, (..., 3): 0 on the surface, and for a point that is not finite."""
+    gradient = _gradient(found)
+    is_away = np.isfinite(found.distance) & ((gradient * gradient).sum(-1) > 0.5)
+    return np.where(is_away[..., None], gradient, 0)
+
+
+def shares(surface: Surface, found: Query[Any, Any, Any]) -> tuple[npt.NDArray[np.int64], npt.NDArray[Any]]:
+    """Returns the corners of the faces that hold closest points, and their weights, both (..., 3)."""
+    is_finite = np.isfinite(found.distance)
+    corners = surface.mesh.faces[np.where(is_finite, found.triangle, 0)].astype(np.int64)
+    return corners, np.where(is_finite[..., None], found.barycentric, 0)
+
+
+def _gradient(found: Query[Any, Any, Any]) -> Any:
+    return np.where((found.distance < 0)[..., None], found.direction, -found.direction)
 
 
 def _check_vertices(surface: Surface, given: npt.NDArray[Any]) -> None:
@@ -58,6 +95,21 @@ def _check_vertices(surface: Surface, given: npt.NDArray[Any]) -> None:
         raise InputError(
             f"vertices: number {np.argmin(is_same)} is not that of the surface; prepare a raymap.Surface of these vertices"
         )
+
+
+def follow(where: Any, still: Callable[[Any], Any], found: Nearest, change: Any, moved: Any) -> Any:
+    """Returns the distances with all their derivatives, by operations of PyTorch or JAX.
+
+    ``still`` returns an array as a constant. ``change`` is what the points move by, (..., 3), and ``moved`` what the corners
+    do, (..., 3, 3): 0, with the derivatives of points and vertices.
+    """
+    distance, gradient = found.distance, found.gradient
+    is_away = (distance != 0) & (found.weights[..., 0] > 0) & ((gradient * gradient).sum(-1) > 0.5)
+    nearest = project(where, change, found.places + moved, found.weights)
+    # The line from the closest point to the point, divided by its length. On the surface there is none.
+    line = gradient + (change - nearest + still(nearest)) / where(is_away, distance, 1.0)[..., None]
+    length = (where(is_away[..., None], line, 1.0) ** 2).sum(-1) ** 0.5
+    return distance + where(is_away, distance * (length - still(length)), 0.0)
 
 
 def project(where: Any, points: Any, corners: Any, weights: Any) -> Any:

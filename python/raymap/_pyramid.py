@@ -11,7 +11,7 @@ from typing import Any, Unpack
 import numpy as np
 
 from . import _inputs
-from ._arguments import to_whole
+from ._arguments import to_path, to_whole
 from ._errors import FileError, InputError, UsageError
 from ._field import Field, save_as
 from ._generate import FieldOptions, Generator
@@ -69,7 +69,7 @@ def save_pyramid(levels: Sequence[Field], path: str | os.PathLike[str]) -> None:
         UsageError: There is no field, they were not normalized alike, or the path is no .npz.
         FileError: The file cannot be written.
     """
-    text, fields = os.fspath(path), list(levels)
+    text, fields = to_path(path), list(levels)
     if not text.lower().endswith(".npz"):
         raise UsageError(f"{text}: a pyramid is saved as .npz")
     if not fields:
@@ -116,7 +116,7 @@ def load_pyramid(path: str | os.PathLike[str]) -> list[Field]:
     [(16, 16, 16), (8, 8, 8)]
     """
     try:
-        content = Path(path).read_bytes()
+        content = Path(to_path(path)).read_bytes()
     except OSError as error:
         raise FileError(f"{path}: cannot read: {error.strerror}") from error
     try:

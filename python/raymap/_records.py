@@ -10,6 +10,15 @@ from typing import Literal, TypedDict
 import numpy as np
 import numpy.typing as npt
 
+Arrangement = Literal[
+    "unknown",
+    "separate",
+    "nested",
+    "misnested",
+    "touching",
+    "overlapping",
+]
+
 DeviceTestState = Literal[
     "untested",
     "running",
@@ -49,6 +58,8 @@ MeshKind = Literal[
     "open_solid",
     "turned_faces",
     "overlapping_solids",
+    "touching_solids",
+    "misnested_solids",
     "crossing_solid",
     "flawed_solid",
     "inside_out",
@@ -98,6 +109,7 @@ WarningCode = Literal[
     "device_refused",
     "device_failed",
     "orientation_misfit",
+    "parts_inside_out",
     "box_reached",
     "solid_lost",
     "surface_lost",
@@ -110,6 +122,11 @@ WarningCode = Literal[
     "drain_holes_missing",
     "triangles_missed",
     "nothing_inside",
+    "sheet",
+    "bounds_left",
+    "parts_thickened",
+    "loose_bodies",
+    "far_vertices",
     "part_file",
 ]
 
@@ -147,7 +164,7 @@ class Diagnostics(TypedDict):
     components: int
     """Number of parts connected through shared vertices."""
     open_components: int
-    """Number of components with boundary edges. Of a double-sided mesh, those of one side; so are the next three."""
+    """Number of components with boundary edges. A double-sided mesh counts one side only, as in the next three."""
     inward_components: int
     """Number of closed components with a negative volume: cavities, or inside out."""
     sheets: int
@@ -168,6 +185,8 @@ class Diagnostics(TypedDict):
     """Least number of faces to reverse so that neighbours agree; not which side is out."""
     degenerate_faces: int
     """Number of faces with a repeated corner, or lower than 1e-6 of their longest edge."""
+    far_vertices: int
+    """Number of vertices of faces that lie 10^9 sizes of the others away, or more."""
     duplicate_faces: int
     """Number of further faces on the same three corners, either orientation."""
     double_sided_faces: int
@@ -181,9 +200,9 @@ class Diagnostics(TypedDict):
 
 
 class SelfIntersections(TypedDict):
-    """Faces that cross others, so that inner points of the two coincide. Faces that only touch, overlap in one plane or
-    share an edge do not cross. The test is exact for corners rounded to a lattice of at least 2^29 steps along the
-    longest side."""
+    """Faces that cross others, so that inner points of the two coincide, and faces that overlap others in one plane.
+    Faces that only touch or share an edge do neither. The test is exact for corners rounded to a lattice of at least
+    2^29 steps along the longest side."""
 
     pairs: int
     """Number of crossing pairs."""
@@ -191,6 +210,10 @@ class SelfIntersections(TypedDict):
     """Number of faces in them."""
     complete: bool
     """False if the search stopped early: there are at least so many pairs."""
+    coplanar_pairs: int
+    """Number of pairs that overlap in one plane. Faces on the same three corners are duplicates instead."""
+    coplanar_faces: int
+    """Number of faces in these pairs."""
 
 
 class Inspection(Diagnostics):
@@ -201,18 +224,22 @@ class Inspection(Diagnostics):
 
 
 class Verdict(TypedDict):
-    """What kind of thing a mesh is, and what makes a clean solid of it."""
+    """Kind of thing that a mesh is, and what makes a clean solid of it."""
 
     kind: MeshKind
     """Kind of the mesh."""
     remedy: Remedy
     """Command that makes a clean solid of it."""
+    arrangement: Arrangement
+    """How its closed parts lie to each other."""
     sought: float
     """Thickness up to which thin parts were looked for; 0 = it was not measured."""
     thinnest: float | None
     """Thickness of the thinnest part, in the mesh's units. Nothing if no part is thinner than ``sought``."""
     voxel_size: float | None
     """Largest distance between samples that keeps that part: half of it, rounded down to two digits."""
+    thickness: float
+    """Thickness that suits a sheet: a fiftieth of its longest side, in one digit. 0 = it is none."""
 
 
 class Stage(TypedDict):
@@ -240,8 +267,10 @@ class Stats(TypedDict):
     turned_faces: npt.NDArray[np.uint32]
     """Indices of the faces that were reversed, ascending."""
     left_out_faces: npt.NDArray[np.uint32]
-    """Indices of the faces that the sign left out, ascending. Each is double-sided: another face has the same corners
-    in the opposite winding order. The sign took one of them, because they bound a solid."""
+    """Indices of the faces that the sign left out, ascending. Each has the corners of another one. It repeats that one
+    in the same winding order, or is the other side of a double-sided face that bounds a solid."""
+    inverted_parts: npt.NDArray[np.uint32]
+    """Lowest face of each part that was reversed because it is inside out and crosses others, ascending."""
     misfit_given: float
     """Disagreement of the crossings of the given mesh, 0 to 1; 0 if not examined."""
     misfit: float
@@ -366,6 +395,10 @@ class RepairReport(TypedDict):
     """Diagnostics of the given mesh."""
     after: Inspection
     """Diagnostics of the result."""
+    arrangement_before: Arrangement
+    """How the closed parts of the given mesh lie to each other."""
+    arrangement_after: Arrangement
+    """The same of the result."""
     result_from_mesh: Deviation
     """From points of the result to the given surface, moved by the offset, or to the hollow's surface. Drain holes are
     left out."""
@@ -382,7 +415,7 @@ class RepairReport(TypedDict):
     """Share of the mesh's area that the offset removes, where other parts are closer. All other shares are relative to
     what remains."""
     loss: Loss
-    """What the lost share consists of, and what would keep it."""
+    """Parts of the lost share, and what would keep them."""
     hollows: int
     """Number of hollows that the shell left."""
     filled_hollows: int
@@ -406,11 +439,12 @@ class RepairReport(TypedDict):
     parts_overlap: bool
     """Whether parts overlap, touch or nest wrongly, and all else is right."""
     kept: bool
-    """Whether the mesh's own faces were kept or simplified, because nothing was wrong with it, or only holes."""
+    """Whether the mesh's own faces were kept or simplified: nothing was wrong with it, or only holes and turned faces.
+    ``stats.turnedFaces`` has these."""
     closed_holes: int
-    """Number of holes that were closed beside the faces that were kept."""
+    """Number of holes that faces were added to close, before anything else."""
     closing_faces: int
-    """Number of faces that close these holes."""
+    """Number of these faces, with the walls to a base."""
     least_thickness: float
     """Thickness of the plates in place of thinner parts; 0 = none made."""
     thickened_share: float
@@ -418,7 +452,7 @@ class RepairReport(TypedDict):
     simplified: SimplifyReport
     """All 0 if faces were kept as they were."""
     warnings: list[Warning]
-    """What is odd, in the order in which it was found."""
+    """Warnings, in the order in which they were found."""
     stats: Stats
     """Cost of the field, then of the stages after it."""
 

@@ -137,7 +137,8 @@ def simplify(
         triangles: Most triangles of the result, with the least tolerance that was found to reach it. A warning
             tells if the shape or ``tolerance`` does not allow so few.
         step: Distance between these points, in the mesh's units; None = ten times the tolerance, or with ``triangles``
-            a quarter of the mean edge of so many, at least the mesh's own mean edge.
+            a quarter of the mean edge of so many, at least the mesh's own mean edge. It is enlarged until all points are
+            at most about a million, and 32 for each face.
         threads: Number of CPU threads; None = ``raymap.get_threads()``.
         progress: A callable that receives a stage and its share, 0 to 1; True to show it.
 
@@ -187,6 +188,7 @@ def repair(
     down: tuple[float, float, float] = (0.0, 0.0, -1.0),
     drop_smaller: float | None = None,
     keep_cavities: bool = False,
+    base: float | None = None,
     remesh: bool = False,
     tolerance: float | None = None,
     triangles: int | None = None,
@@ -198,7 +200,7 @@ def repair(
     """Returns a watertight solid in place of any mesh, for example to print it.
 
     A mesh that has nothing wrong and needs no change is returned with its own faces. So is one with small holes, which
-    get faces. Else the result is the surface of the mesh's field, so details smaller than a sample are lost. The deviation is measured.
+    get faces, and one with a few turned faces, which are turned back. Holes that a plane closes get faces first. Else the result is the surface of the mesh's field, so details smaller than a sample are lost. The deviation is measured.
 
     Args:
         mesh_or_vertices: A mesh, the path of a file, or positions, (n, 3), as for ``raymap.generate``.
@@ -214,13 +216,15 @@ def repair(
         drain_holes: Number of drain holes of each hollow: down from its lowest point, then as a vent up from its
             highest one, then down from level floors as far from the others as there are.
         min_thickness: Thickness of the plates that take the place of thinner walls, fins and sheets, in the mesh's
-            units; at least two samples. None: 1.75 samples, the least that no samples miss. 0: no plates, and
+            units; at least two samples. None: 1.75 samples, the thinnest wall that the grid cannot miss. 0: no plates, and
             what the samples miss is lost.
         down: Direction of the drain holes.
         drop_smaller: Volume in the mesh's units cubed. Parts of the result that enclose less are dropped. None: a
             thousandth of what the largest part encloses, but none that shows surface that no other part shows.
         keep_cavities: Whether sealed cavities stay; else they are filled, with all parts in them.
-        remesh: Whether to make a mesh anew whose faces could be kept.
+        base: Height against ``down`` of a flat base that walls join the rim of the mesh to, as for a terrain. The mesh
+            must not reach below it. None: no base.
+        remesh: Whether to make all faces from the field, even if those of the mesh could be kept.
         tolerance: Largest deviation of the result from the isosurface, in the mesh's units, to have fewer
             triangles; None = a tenth of the distance between samples, or what ``triangles`` needs; 0 = all triangles.
             Faces that could be kept are simplified only if it is given.
@@ -252,6 +256,7 @@ def repair(
     how.drain_hole = to_number("drain_hole", drain_hole, least=0.0, most=FINITE)
     how.drain_holes, how.down = to_whole("drain_holes", drain_holes), to_vector("down", down)
     how.drop_smaller = None if drop_smaller is None else to_number("drop_smaller", drop_smaller, least=0.0)
+    how.base = None if base is None else to_number("base", base, least=-FINITE, most=FINITE)
     how.keep_cavities, how.remesh = bool(keep_cavities), bool(remesh)
     if min_thickness is not None:
         how.min_thickness = to_number("min_thickness", min_thickness, least=0.0, most=FINITE)

@@ -12,7 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _inputs, _raymap, _views
-from ._arguments import FINITE, to_names, to_number, to_threads, to_vector, to_whole
+from ._arguments import FINITE, to_names, to_number, to_path, to_threads, to_vector, to_whole
 from ._devices import to_machine
 from ._errors import UsageError
 from ._frames import Frame, Normalization, frame_of, to_normalization
@@ -413,4 +413,4 @@ def save_as_npz(samples: Samples, path: str | os.PathLike[str]) -> None:
 
 def _save(samples: Samples, path: str | os.PathLike[str], extension: str) -> None:
     arrays = (samples.points, samples.distance, samples.gradient)
-    _raymap.save_samples(os.fspath(path), *arrays, to_vector("centre", samples.centre), samples.scale, extension)
+    _raymap.save_samples(to_path(path), *arrays, to_vector("centre", samples.centre), samples.scale, extension)

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, Literal, NamedTuple, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
 
 from . import _arrays, _raymap, _views
-from ._arguments import to_names, to_text
+from ._arguments import to_names, to_number, to_text
 from ._devices import to_machine
 from ._errors import InputError
 from ._field import Field, core_of_field
@@ -18,7 +18,9 @@ from ._sparse import SparseField, core_of_sparse
 from ._surface import Surface, core_of_surface
 
 #: Name of what ``Scene.query`` can compute.
-SceneArray: TypeAlias = Literal["distance", "body", "closest", "gradient", "distances"]
+SceneArray: TypeAlias = Literal["distance", "body", "closest", "gradient", "distances", "triangle"]
+
+_Body: TypeAlias = Surface | Field | SparseField
 
 #: Number of the body where there is none.
 NO_BODY = 2**32 - 1
@@ -41,14 +43,16 @@ class SceneQuery(NamedTuple):
     gradient: Any
     """Gradients of the distances, (..., 3), in the world: unit vectors that lead away from the solid; 0 on the surface."""
     distances: Any
-    """Distances to each body, (..., bodies)."""
+    """Distances to each body, (..., bodies); NaN for those that were left out."""
+    triangle: Any
+    """Triangles of those bodies that hold the closest points, (...) uint32; ``raymap.NO_TRIANGLE`` of a field."""
 
 
 class Scene:
     """Bodies with rigid poses, and the signed distance of points of the world to their union, negative inside.
 
-    A body is a ``Surface``, a ``Field`` or a ``SparseField``, which the scene shares with its owner. Its pose takes the
-    body's coordinates to those of the world. Poses change at no cost. Bodies are numbered in the order in which they
+    A body is a ``Surface``, a ``Field`` or a ``SparseField``, which the scene shares with its owner, or a mesh or the path
+    of one, of which it makes a ``Surface``. Its pose takes the body's coordinates to those of the world. Poses change at no cost. Bodies are numbered in the order in which they
     were added; removing one moves those after it down by one.
 
     A pose is a 4x4 matrix with a rotation, a translation in its last column, and the last row 0 0 0 1. Inner products
@@ -65,11 +69,12 @@ class Scene:
     the other points and configurations, nor on the number of threads. A scene can be pickled.
 
     Args:
-        bodies: Bodies by name, which get the pose of the world.
+        bodies: Bodies by name, or a list of bodies, whose names are "0", "1" and so on. They get the pose of the world.
 
     Raises:
         TypeError: A body is something else.
         UsageError: As of ``add``.
+        InputError, FileError: A mesh is not valid, or cannot be read.
 
     >>> scene = raymap.Scene({"ball": raymap.Surface("ball.ply")})
     >>> scene.set_pose("ball", [[1, 0, 0, 5], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]])
@@ -77,31 +82,32 @@ class Scene:
     array([-0.5,  1. ])
     """
 
-    def __init__(self, bodies: Mapping[str, Surface | Field | SparseField] | None = None) -> None:
-        self._core, self._bodies = _raymap.Scene(), dict[str, Surface | Field | SparseField]()
-        for name, body in (bodies or {}).items():
+    def __init__(self, bodies: Mapping[str, Any] | Sequence[Any] | None = None) -> None:
+        self._core, self._bodies = _raymap.Scene(), dict[str, _Body]()
+        for name, body in _named(bodies):
             self.add(name, body)
 
-    def add(self, name: str, body: Surface | Field | SparseField, pose: npt.ArrayLike | None = None) -> None:
+    def add(self, name: str, body: Any, pose: npt.ArrayLike | None = None) -> None:
         """Adds a body after all others.
 
         Args:
             name: Its name, which no other body has.
-            body: A surface or a sampled field.
+            body: A surface, a sampled field, or a mesh as for ``raymap.Surface``.
             pose: Its pose, (4, 4); None = the pose of the world.
 
         Raises:
             TypeError: The body is something else.
             UsageError: The name is empty or taken, the field has no distances, or the pose is no rigid motion.
+            InputError, FileError: The mesh is not valid, or cannot be read.
 
         >>> scene = raymap.Scene()
         >>> scene.add("ball", raymap.Surface("ball.ply"), np.eye(4))
         >>> scene
         raymap.Scene(1 body: ball)
         """
-        rows = _arrays.to_poses("pose", np.eye(4) if pose is None else pose, (4, 4))
-        self._core.add(to_text("name", name), _core_of(body), rows)
-        self._bodies[name] = body
+        rows, made = _arrays.to_poses("pose", np.eye(4) if pose is None else pose, (4, 4)), _to_body(body)
+        self._core.add(to_text("name", name), _core_of(made), rows[None])
+        self._bodies[name] = made
 
     def remove(self, name: str) -> None:
         """Removes a body.
@@ -118,7 +124,7 @@ class Scene:
         Raises:
             UsageError: There is no body of this name, or the pose is no rigid motion.
         """
-        self._core.set_pose(to_text("name", name), _arrays.to_poses("pose", pose, (4, 4)))
+        self._core.set_pose(to_text("name", name), _arrays.to_poses("pose", pose, (4, 4))[None])
 
     @property
     def names(self) -> list[str]:
@@ -126,7 +132,7 @@ class Scene:
         return list(self._bodies)
 
     @property
-    def bodies(self) -> dict[str, Surface | Field | SparseField]:
+    def bodies(self) -> dict[str, _Body]:
         """Bodies by name, in their order. A copy."""
         return dict(self._bodies)
 
@@ -144,7 +150,14 @@ class Scene:
         self._core.set_poses(_arrays.to_poses("poses", poses, (len(self), 4, 4)))
 
     def signed_distance(
-        self, points: Any, poses: Any = None, *, threads: int | None = None, progress: Progress = None
+        self,
+        points: Any,
+        poses: Any = None,
+        *,
+        max_distance: float | None = None,
+        without: str | Iterable[str] = (),
+        threads: int | None = None,
+        progress: Progress = None,
     ) -> Any:
         """Returns signed distances of the union, negative inside. Arguments and errors are those of ``query``.
 
@@ -156,14 +169,19 @@ class Scene:
                [2., 3.],
                [1., 2.]])
         """
-        return self.query(points, poses=poses, threads=threads, progress=progress).distance
+        found = self.query(
+            points, ("distance",), poses, max_distance=max_distance, without=without, threads=threads, progress=progress
+        )
+        return found.distance
 
     def query(
         self,
         points: Any,
-        arrays: Iterable[SceneArray] = ("distance",),
-        *,
+        arrays: SceneArray | Iterable[SceneArray] = ("distance",),
         poses: Any = None,
+        *,
+        max_distance: float | None = None,
+        without: str | Iterable[str] = (),
         threads: int | None = None,
         progress: Progress = None,
     ) -> SceneQuery:
@@ -174,15 +192,20 @@ class Scene:
         Args:
             points: Positions in the world, (..., 3). With ``poses``: (n, 3) for all configurations, or
                 (configurations, n, 3).
-            arrays: Names of what to compute: ``"distance"``, ``"body"``, ``"closest"``, ``"gradient"`` and
+            arrays: Names of what to compute: ``"distance"``, ``"body"``, ``"closest"``, ``"gradient"``, ``"triangle"`` and
                 ``"distances"``, which queries all bodies.
-            poses: Poses of all bodies in many configurations, (configurations, bodies, 4, 4), in place of the scene's
-                own. Results then are (configurations, n).
+            poses: Poses of all bodies in place of the scene's own, (bodies, 4, 4), or in many configurations,
+                (configurations, bodies, 4, 4). Results of these are (configurations, n).
+            max_distance: Points as far or farther get this distance, with their sign, ``raymap.NO_TRIANGLE``, and NaN for
+                what else depends on the closest point; outside, ``raymap.NO_BODY`` as well. Smaller is faster. None = no
+                limit.
+            without: Names of bodies to leave out, such as the one whose own points these are.
             threads: Number of CPU threads; None = ``raymap.get_threads()``.
             progress: A callable that receives a stage and its share, 0 to 1; True to show it.
 
         Raises:
-            UsageError: An unknown name, or a pose that is no rigid motion; the message names body and configuration.
+            UsageError: An unknown name, a pose that is no rigid motion (the message names body and configuration), or a
+                ``max_distance`` that is not above 0.
             InputError: Points or poses of another shape.
             MemoryLimitError: The results do not fit into memory.
             Cancelled: ``progress`` returned False.
@@ -199,16 +222,19 @@ class Scene:
         options = _raymap.SceneOptions()
         for name in SceneQuery._fields:
             setattr(options, name, name in names)
-        flat, shape = _arrays.to_points(points)
+        if max_distance is not None:
+            options.max_distance = to_number("max_distance", max_distance, above=0.0)
+        numbers = [self._core.number(name) for name in ([without] if isinstance(without, str) else without)]
+        flat, shape = _arrays.to_points(_arrays.still(points) if names <= {"body", "triangle"} else points)
         machine = to_machine("cpu", threads)
         if poses is None:
             with reporting(progress) as report:
-                found = self._core.query(flat, options, machine, report)
+                found = self._core.query(flat, options, numbers, machine, report)
             leading = shape[:-1]
         else:
             rows, own, leading = self._configurations(poses, shape)
             with reporting(progress) as report:
-                found = self._core.query_many(flat, rows, leading[0], own, options, machine, report)
+                found = self._core.query_many(flat, rows.reshape(-1, 4, 4), len(rows), own, options, numbers, machine, report)
 
         def result(name: str) -> Any:
             array = _arrays.as_precise(found[name], points)
@@ -219,9 +245,11 @@ class Scene:
     def _configurations(
         self, poses: Any, shape: tuple[int, ...]
     ) -> tuple[npt.NDArray[np.float64], bool, tuple[int, ...]]:
-        """Returns all poses in one array, whether each configuration has points of its own, and the shape of the results."""
-        rows = _arrays.to_poses("poses", poses, (-1, len(self), 4, 4))
-        count = len(poses)
+        """Returns poses by configuration, whether each of these has points of its own, and the shape of the results."""
+        rows = _arrays.to_poses("poses", poses, (len(self), 4, 4), many=True)
+        if rows.ndim == 3:
+            return rows[None], False, shape[:-1]
+        count = len(rows)
         if len(shape) not in (2, 3) or (len(shape) == 3 and shape[0] != count):
             raise InputError(f"with poses of {count} configurations, points must be (n, 3) or ({count}, n, 3), "
                              f"not of the shape {shape}")  # fmt: skip
@@ -238,17 +266,36 @@ class Scene:
         return _restore, (self._bodies, self.poses)
 
 
-def _core_of(body: Surface | Field | SparseField) -> Any:
+def _named(bodies: Mapping[str, Any] | Sequence[Any] | None) -> Iterable[tuple[str, Any]]:
+    """Returns the names of bodies and these."""
+    if isinstance(bodies, Mapping):
+        return bodies.items()
+    if isinstance(bodies, (list, tuple)):
+        return [(str(number), body) for number, body in enumerate(bodies)]
+    if bodies is None:
+        return ()
+    raise TypeError(f"bodies must be a dict or a list of bodies, not a {type(bodies).__name__}")
+
+
+def _to_body(given: Any) -> _Body:
+    """Returns a body; a surface of a mesh."""
+    if isinstance(given, (Surface, Field, SparseField)):
+        return given
+    try:
+        return Surface(given)
+    except TypeError:
+        raise TypeError(
+            f"a body is a raymap.Surface, Field or SparseField, or a mesh, not a {type(given).__name__}"
+        ) from None
+
+
+def _core_of(body: _Body) -> Any:
     if isinstance(body, Surface):
         return core_of_surface(body)
-    if isinstance(body, Field):
-        return core_of_field(body)
-    if isinstance(body, SparseField):
-        return core_of_sparse(body)
-    raise TypeError(f"a body is a raymap.Surface, Field or SparseField, not a {type(body).__name__}")
+    return core_of_field(body) if isinstance(body, Field) else core_of_sparse(body)
 
 
-def _restore(bodies: dict[str, Surface | Field | SparseField], poses: npt.NDArray[np.float64]) -> Scene:
+def _restore(bodies: dict[str, _Body], poses: npt.NDArray[np.float64]) -> Scene:
     scene = Scene(bodies)
     scene.poses = poses
     return scene

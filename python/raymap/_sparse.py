@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _raymap, _views
-from ._arguments import set_arrays, to_box, to_length, to_number, to_text, to_vector
+from ._arguments import set_arrays, to_box, to_length, to_number, to_path, to_text, to_vector
 from ._devices import to_machine
 from ._errors import UsageError
 from ._field import Field, core_of_field, field_of_core
@@ -86,7 +86,7 @@ class SparseField(GridField):
         >>> raymap.SparseField.load("band.vdb")
         raymap.SparseField(64 x 64 x 64 samples, 304 leaves, spacing 0.0375, arrays distance)
         """
-        return sparse_of_core(_raymap.load_band(os.fspath(path), to_text("grid", "" if grid is None else grid)))
+        return sparse_of_core(_raymap.load_band(to_path(path), to_text("grid", "" if grid is None else grid)))
 
     @classmethod
     def from_dense(
@@ -210,8 +210,8 @@ class SparseField(GridField):
         """
         if not self._frame.is_identity:
             text = "no file holds the centre and scale of a normalized narrow band; save band.denormalized()"
-            raise UsageError(f"{os.fspath(path)}: {text}")
-        self._core.save(os.fspath(path))
+            raise UsageError(f"{to_path(path)}: {text}")
+        self._core.save(to_path(path))
 
     def __repr__(self) -> str:
         return self._text(f"{len(self.origins)} leaves")

@@ -125,7 +125,9 @@ class Surface:
     point depends neither on the other points, nor on the number of threads.
 
     Points have any shape (..., 3): NumPy, lists, or any array with ``__dlpack__``. Results are float32 for float32
-    points and float64 for all others. PyTorch, JAX and CuPy get arrays of their own back, on the same device.
+    points and float64 for all others. PyTorch, JAX and CuPy get arrays of their own back, on the same device, float16
+    and bfloat16 for such points. Points whose gradient PyTorch or JAX follows are an error: ``raymap.torch`` and ``raymap.jax``
+    have functions that follow it.
 
     A surface never changes, whatever becomes of the arrays that it was made from. Several threads may use it at the
     same time. It can be pickled; the copy prepares the mesh again, and gives the same bits.
@@ -172,6 +174,7 @@ class Surface:
         memory_limit: int | None = None,
         progress: Progress = None,
     ) -> None:
+        _arrays.check_gradient("vertices", mesh_or_vertices, "signed_distance(surface, points, vertices=vertices)")
         mesh = core_of(_inputs.to_mesh(mesh_or_vertices, faces))
         options = _raymap.SurfaceOptions()
         options.sign, options.compact = bool(sign), bool(compact)
@@ -225,15 +228,16 @@ class Surface:
         array([-0.125,  1.   ], dtype=float32)
         """
         if transform is None:
-            return self.query(points, threads=threads, progress=progress).distance
-        rows, (flat, shape) = _arrays.to_poses("transform", transform, (4, 4)), _arrays.to_points(points)
+            found = self._query(points, {"distance"}, None, threads, progress, "signed_distance(surface, points)")
+            return _arrays.like(found["distance"], points)
+        rows, (flat, shape) = _arrays.to_poses("transform", transform, (4, 4))[None], _arrays.to_points(points)
         if self._scene is None:
             scene = _raymap.Scene()
             scene.add("surface", self._core, np.eye(4).reshape(1, 4, 4))
             self._scene = scene
         machine = to_machine("cpu", threads)
         with reporting(progress) as report:
-            found = self._scene.query_many(flat, rows, 1, False, _raymap.SceneOptions(), machine, report)
+            found = self._scene.query_many(flat, rows, 1, False, _raymap.SceneOptions(), [], machine, report)
         return _arrays.like(_arrays.as_precise(found["distance"], points).reshape(shape[:-1]), points)
 
     @overload
@@ -257,7 +261,7 @@ class Surface:
         """
         if not self._sign:
             raise UsageError("the surface was made with sign=False, so it does not know what is inside")
-        found = self._query(points, {"distance"}, None, threads, progress)
+        found = self._query(_arrays.still(points), {"distance"}, None, threads, progress)
         return _arrays.like(np.asarray(found["distance"] < 0), points)
 
     @overload
@@ -280,10 +284,9 @@ class Surface:
         >>> barycentric @ corners
         array([0.25, 0.25, 0.  ])
         """
-        found = self.query(
-            points, ("closest", "distance", "triangle", "barycentric"), threads=threads, progress=progress
-        )
-        return Closest(found.closest, found.distance, found.triangle, found.barycentric)
+        names = {"closest", "distance", "triangle", "barycentric"}
+        found = self._query(points, names, None, threads, progress, "closest_point(surface, points)")
+        return Closest(*(_arrays.like(found[{"point": "closest"}.get(name, name)], points) for name in Closest._fields))
 
     @overload
     def query(
@@ -327,24 +330,33 @@ class Surface:
         (array([-0.99,  1.5 ]), array([1., 0.], dtype=float32), None)
         """
         names = to_names(arrays, Query._fields)
-        found = self._query(points, names, max_distance, threads, progress)
+        given = _arrays.still(points) if names == {"triangle"} else points
+        by = "signed_distance(surface, points) or raymap.torch.closest_point(surface, points)"
+        found = self._query(given, names, max_distance, threads, progress, by)
         return Query(*(_arrays.like(found[name], points) if name in names else None for name in Query._fields))
 
     def _query(
-        self, points: Any, names: set[str], max_distance: float | None, threads: int | None, progress: Progress
+        self,
+        points: Any,
+        names: set[str],
+        max_distance: float | None,
+        threads: int | None,
+        progress: Progress,
+        instead: str = "",
     ) -> dict[str, Any]:
-        """Returns NumPy arrays by name, in the shape of the points."""
+        """Returns NumPy arrays by name, in the shape of the points. ``instead`` is the function that follows gradients."""
         options = _raymap.QueryOptions()
         for name in Query._fields:
             setattr(options, name, name in names)
         if max_distance is not None:
             options.max_distance = to_number("max_distance", max_distance, above=0.0)
         machine = to_machine("cpu", threads)
-        flat, shape = _arrays.to_points(points, keep_single=True)
+        flat, shape = _arrays.to_points(points, instead, keep_single=True)
         with reporting(progress) as report:
             found = self._core.query(flat, options, machine, report)
         for name, array in found.items():
-            converted = array.astype(flat.dtype, copy=False) if array.dtype == np.float64 else array
+            with np.errstate(over="ignore"):  # Far points may have distances beyond float32, which become infinite.
+                converted = array.astype(flat.dtype, copy=False) if array.dtype == np.float64 else array
             found[name] = converted.reshape(shape if array.ndim == 2 else shape[:-1])
         return found
 
@@ -505,7 +517,7 @@ class Surface:
         >>> found.part[0], bool((abs(found.diameter - 2) < 0.05).all())
         (np.str_('wall'), True)
         """
-        (positions, _), numbers = _arrays.to_points(points), _arrays.to_numpy(triangles)
+        (positions, _), numbers = _arrays.to_points(points), _arrays.to_numpy("triangles", triangles)
         if numbers.shape != (len(positions),) or (numbers.size > 0 and numbers.dtype.kind not in "iu"):
             raise InputError(f"triangles must be ({len(positions)},) whole numbers, one for each point, not "
                              f"{numbers.dtype} of the shape {numbers.shape}")  # fmt: skip
@@ -651,6 +663,16 @@ def _to_box(
 def core_of_surface(surface: Surface) -> _raymap.Surface:
     """Returns the surface as the extension module takes it."""
     return surface._core
+
+
+def corners_of_surface(
+    surface: Surface, triangles: npt.NDArray[Any], points: npt.NDArray[Any]
+) -> tuple[npt.NDArray[np.int64], npt.NDArray[Any]]:
+    """Returns vertex numbers of triangles (...), (..., 3), and the places of these vertices from points, (..., 3, 3)."""
+    corners = surface._core.faces()[triangles].astype(np.int64)
+    from_origin = points.astype(np.float64) - surface._core.origin
+    with np.errstate(over="ignore"):
+        return corners, (surface._core.vertices()[corners] - from_origin[..., None, :]).astype(points.dtype)
 
 
 def _prepare(

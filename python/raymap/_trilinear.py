@@ -11,7 +11,7 @@ import numpy.typing as npt
 from ._arrays import to_points
 from ._errors import InputError, UsageError
 from ._field import Field
-from ._nearest import find_nearest
+from ._nearest import Nearest, find_nearest
 from ._sparse import SparseField
 from ._surface import Surface
 
@@ -20,20 +20,26 @@ _ROUNDING = 1e-5  # Of distances, as a share of them and of the mesh's diagonal.
 
 
 class Cells(NamedTuple):
-    """Samples of a field around points (..., 3). The first four members are those of a ``Nearest`` at the samples."""
+    """Samples of a field around points (..., 3). What follows ``is_inside`` is that of a ``Nearest`` at the samples."""
 
     distance: Any
     """Distances of the eight samples, (..., 8), x fastest."""
-    gradient: Any
-    """Directions in which they grow, (..., 8, 3); 0 unless asked for."""
-    corners: Any
-    """Vertex numbers of the faces that hold their closest points, (..., 8, 3)."""
-    weights: Any
-    """Weights of these vertices, (..., 8, 3); all 0 for a sample that does not change with them."""
     fraction: Any
     """Places of the points between the first sample and the last, (..., 3), 0 to 1."""
     is_inside: Any
     """Whether points lie in the box of the field's samples, (...)."""
+    gradient: Any = None
+    """Directions in which the distances grow, (..., 8, 3). None without a surface, as all that follows."""
+    corners: Any = None
+    """Vertex numbers of the faces that hold their closest points, (..., 8, 3)."""
+    weights: Any = None
+    """Weights of these vertices, (..., 8, 3); all 0 for a sample that does not change with them."""
+    places: Any = None
+    """Places of these vertices from the samples, (..., 8, 3, 3)."""
+
+    @property
+    def nearest(self) -> Nearest:
+        return Nearest(self.distance, self.gradient, self.corners, self.weights, self.places)
 
 
 def check_field(field: Any, surface: Surface | None, vertices: Any) -> None:
@@ -65,10 +71,10 @@ def find_cells(
     low = np.minimum(place.astype(np.int64), np.maximum(last - 1, 0))
     around = np.minimum(low[:, None] + _CORNERS, last).reshape(-1, 3)
     used, which = _unique(around, field.shape)
-    samples = _find_samples(field, surface, used, vertices, threads)
-    gathered = [array[which.reshape(-1, 8)] for array in samples]
-    gathered[3] = np.where(is_inside[:, None, None], gathered[3], 0)
-    arrays = [*gathered, place - low, is_inside]
+    distance, *nearest = (array[which.reshape(-1, 8)] for array in _find_samples(field, surface, used, vertices, threads))
+    if nearest:
+        nearest[2] = np.where(is_inside[:, None, None], nearest[2], 0)
+    arrays = [distance, place - low, is_inside, *nearest]
     kept = (array.astype(points.dtype) if array.dtype.kind == "f" else array for array in arrays)
     return Cells(*(array.reshape(shape[:-1] + array.shape[1:]) for array in kept))
 
@@ -93,10 +99,10 @@ def _find_samples(
     vertices: npt.NDArray[Any] | None,
     threads: int | None,
 ) -> tuple[npt.NDArray[Any], ...]:
-    """Returns distances of samples (n, 3), and what follows them in a ``Nearest``."""
+    """Returns distances of samples (n, 3), and if there is a surface what follows them in a ``Nearest``."""
     distance = _distances(field, indices, threads)
     if surface is None:
-        return distance, np.zeros(indices.shape), np.zeros(indices.shape, np.int64), np.zeros(indices.shape)
+        return (distance,)
     found = find_nearest(surface, field.origin + field.spacing * indices, vertices, threads)
     inside, outside = _clamp_distances(field)
     low, high = surface.mesh.bounds
@@ -109,7 +115,7 @@ def _find_samples(
             f"{found.distance[first]:.6g}; make the field by the generate of this surface"
         )
     is_clamped = (found.distance <= -inside) | (found.distance >= outside)
-    return distance, found.gradient, found.corners, np.where(is_clamped[:, None], 0, found.weights)
+    return distance, found.gradient, found.corners, np.where(is_clamped[:, None], 0, found.weights), found.places
 
 
 def _distances(
@@ -131,13 +137,14 @@ def _clamp_distances(field: Field | SparseField) -> tuple[float, float]:
     return field.clamp_distance or np.inf, field.clamp_distance or np.inf
 
 
-def interpolate(where: Any, found: Cells, change: Any) -> Any:
-    """Returns trilinear samples by operations of NumPy, PyTorch or JAX.
+def interpolate(where: Any, found: Cells, distance: Any, change: Any) -> Any:
+    """Returns trilinear samples by operations of PyTorch or JAX.
 
-    ``change`` is what the points move by, in units of the spacing, (..., 3): 0, with the derivatives of the points.
+    ``distance`` are those of the samples, with the derivatives of the vertices. ``change`` is what the points move by, in
+    units of the spacing, (..., 3): 0, with the derivatives of the points.
     """
     at = where(found.is_inside[..., None], found.fraction + change, 0.0)
-    line = found.distance
+    line = distance
     for axis in range(3):
         low, high = line[..., 0::2], line[..., 1::2]
         line = low + at[..., axis : axis + 1] * (high - low)

@@ -17,7 +17,7 @@ import numpy as np
 
 from ._errors import InputError
 from ._field import Field
-from ._nearest import Nearest, find_nearest, project
+from ._nearest import Nearest, find_nearest, follow, project
 from ._sparse import SparseField
 from ._surface import Surface
 from ._trilinear import Cells, check_field, find_cells, interpolate
@@ -32,12 +32,14 @@ def signed_distance(surface: Surface, points: Any, *, vertices: Any = None, thre
     """Returns distances at points, (...) for points (..., 3), negative inside, for ``grad``, ``jvp``, ``vmap`` and ``jit``.
 
     The derivatives are those of ``raymap.torch.signed_distance``: a point's is the unit vector along which its distance
-    grows, a vertex's the opposite one times its barycentric weight. They are 0 on the surface, jump where another point
-    of the surface becomes the closest, and hold no derivatives of their own: second derivatives are 0.
+    grows, a vertex's the opposite one times its barycentric weight. They are 0 on the surface, and jump where another
+    point of the surface becomes the closest. Derivatives of any order are computed: those of the distance to the face,
+    the edge or the vertex that holds the closest point.
 
     Args:
         surface: A surface; without a sign, distances are not negative.
-        points: Positions in the mesh's units, (..., 3). The work is done on the CPU, by a callback.
+        points: Positions in the mesh's units, (..., 3). The result has their type. The work is done on the CPU, by a
+            callback.
         vertices: The vertices of the surface's mesh, (n, 3), to differentiate with respect to them. After they have moved,
             prepare a new surface of them.
         threads: Number of CPU threads; None = ``raymap.get_threads()``.
@@ -47,9 +49,9 @@ def signed_distance(surface: Surface, points: Any, *, vertices: Any = None, thre
             error of its own.
         MemoryLimitError: The results do not fit into memory.
     """
-    points = _to_points(points)
+    points, kind = _to_points(points)
     found = Nearest(*_find(partial(find_nearest, surface, threads=threads), _kinds(points), points, vertices))
-    return _moved(found, _change(points), vertices)
+    return _followed(found, _change(points), vertices).astype(kind)
 
 
 def closest_point(surface: Surface, points: Any, *, vertices: Any = None, threads: int | None = None) -> Any:
@@ -68,10 +70,10 @@ def closest_point(surface: Surface, points: Any, *, vertices: Any = None, thread
     Raises:
         InputError, MemoryLimitError: As for ``signed_distance``.
     """
-    points = _to_points(points)
-    vertices = jax.numpy.asarray(surface.mesh.vertices if vertices is None else vertices)
+    points, kind = _to_points(points)
     found = Nearest(*_find(partial(find_nearest, surface, threads=threads), _kinds(points), points, vertices))
-    return project(jax.numpy.where, points, vertices.astype(points.dtype)[found.corners], found.weights)
+    nearest = project(jax.numpy.where, _change(points), found.places + _moved(found, vertices), found.weights)
+    return (jax.lax.stop_gradient(points) + nearest).astype(kind)
 
 
 def sample(
@@ -104,20 +106,29 @@ def sample(
         TypeError: The field is no ``raymap.Field`` and no ``raymap.SparseField``.
     """
     check_field(field, surface, vertices)
-    points = _to_points(points)
-    kind = jax.ShapeDtypeStruct
-    kinds = (*_kinds(points, 8), kind(points.shape, points.dtype), kind(points.shape[:-1], bool))
+    points, kind = _to_points(points)
+    distance, *nearest = _kinds(points, 8)
+    cells = jax.ShapeDtypeStruct(points.shape, points.dtype), jax.ShapeDtypeStruct(points.shape[:-1], bool)
+    kinds = (distance, *cells, *(nearest if surface is not None else ()))
     found = Cells(*_find(partial(find_cells, field, surface, threads=threads), kinds, points, vertices))
-    found = Cells(_moved(found, 0.0, vertices), *found[1:])
-    return interpolate(jax.numpy.where, found, _change(points) / field.spacing)
+    samples = found.distance if surface is None else _followed(found.nearest, 0.0, vertices)
+    return interpolate(jax.numpy.where, found, samples, _change(points) / field.spacing).astype(kind)
 
 
-def _to_points(points: Any) -> Any:
-    """Returns points as an array of floating-point numbers. Raises InputError for points of another shape than (..., 3)."""
+def _to_points(points: Any) -> tuple[Any, Any]:
+    """Returns points in the type in which the work is done, float32 or float64, and the type of the results.
+
+    Raises:
+        InputError: Points of another shape than (..., 3), or no real numbers.
+    """
     given = jax.numpy.asarray(points)
     if given.ndim == 0 or given.shape[-1] != 3:
         raise InputError(f"points must be (..., 3) coordinates, not of the shape {given.shape}")
-    return given if jax.numpy.issubdtype(given.dtype, jax.numpy.floating) else given.astype(float)
+    if jax.numpy.issubdtype(given.dtype, jax.numpy.complexfloating):
+        raise InputError(f"points must be numbers, not {given.dtype}")
+    if not jax.numpy.issubdtype(given.dtype, jax.numpy.floating):
+        given = given.astype(float)
+    return given.astype(np.float32) if given.dtype.itemsize < 4 else given, given.dtype
 
 
 def _kinds(points: Any, *samples: int) -> tuple[Any, ...]:
@@ -128,6 +139,7 @@ def _kinds(points: Any, *samples: int) -> tuple[Any, ...]:
         kind((*leading, 3), points.dtype),
         kind((*leading, 3), np.int32),
         kind((*leading, 3), points.dtype),
+        kind((*leading, 3, 3), points.dtype),
     )
 
 
@@ -140,7 +152,8 @@ def _find(find: Callable[..., Any], kinds: tuple[Any, ...], points: Any, vertice
             vertices = np.asarray(vertices)
             vertices = vertices.reshape(vertices.shape[-2:]) if vertices.size == size else vertices
         found = find(np.asarray(points), vertices)
-        return tuple(np.asarray(array, kind.dtype) for array, kind in zip(found, kinds, strict=True))
+        made = (array for array in found if array is not None)
+        return tuple(np.asarray(array, kind.dtype) for array, kind in zip(made, kinds, strict=True))
 
     still = jax.lax.stop_gradient((points, vertices))
     return jax.pure_callback(call, kinds, *still, vmap_method="expand_dims")
@@ -151,9 +164,10 @@ def _change(values: Any) -> Any:
     return values - jax.lax.stop_gradient(values)
 
 
-def _moved(found: Nearest | Cells, moved: Any, vertices: Any) -> Any:
-    """Returns the distances with the derivatives of what the points are moved by, and of the vertices."""
-    if vertices is not None:
-        corners = _change(vertices)[found.corners].astype(found.weights.dtype)
-        moved = moved - (found.weights[..., None] * corners).sum(-2)
-    return found.distance + (found.gradient * moved).sum(-1)
+def _moved(found: Nearest, vertices: Any) -> Any:
+    """Returns what the corners move by, (..., 3, 3): 0, with the derivatives of the vertices."""
+    return 0.0 if vertices is None else _change(jax.numpy.asarray(vertices))[found.corners].astype(found.weights.dtype)
+
+
+def _followed(found: Nearest, change: Any, vertices: Any) -> Any:
+    return follow(jax.numpy.where, jax.lax.stop_gradient, found, change, _moved(found, vertices))

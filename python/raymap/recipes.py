@@ -16,6 +16,7 @@ from typing import Any, Literal, TypeAlias, get_args
 
 import numpy as np
 
+from ._arguments import to_path
 from ._errors import UsageError
 from ._raymap import write_whole
 from ._samples import Mixture, Samples, choose, save_as_npz, to_count, to_seed, to_surface
@@ -81,7 +82,7 @@ def save(
         MemoryLimitError: The points do not fit into memory.
         FileError: A file cannot be read or written.
     """
-    chosen, text = recipe_of(recipe), os.fspath(path)
+    chosen, text = recipe_of(recipe), to_path(path)
     if not text.lower().endswith(f".{chosen.format}"):
         raise UsageError(f"{text}: the recipe {recipe} is written as .{chosen.format}")
     chosen.write(samples_of(chosen, mesh, n, seed, threads), text)

@@ -15,8 +15,8 @@ import importlib
 import os
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import suppress
-from functools import partial
-from typing import Any, Unpack
+from functools import partial, wraps
+from typing import Any, TypeVar, Unpack
 
 import numpy as np
 import numpy.typing as npt
@@ -26,10 +26,10 @@ from ._arguments import to_whole
 from ._arrays import to_numpy
 from ._errors import MemoryLimitError, UsageError
 from ._field import Field
-from ._nearest import Nearest, find_nearest, project
+from ._nearest import Nearest, find_closest, find_nearest, follow, hold, project, shares, slope
 from ._samples import Sampler, SamplerOptions, to_seed
 from ._sparse import SparseField
-from ._surface import Surface
+from ._surface import Query, Surface
 from ._trilinear import Cells, check_field, find_cells, interpolate
 from .dataset.read import Results
 
@@ -39,41 +39,26 @@ except ImportError as error:
     raise ImportError("raymap.torch needs PyTorch; install it with: pip install torch") from error
 
 
+_Function = TypeVar("_Function", bound=Callable[..., Any])
+
 _POINT_BYTES = 320  # Most that a sampler takes for a point of a block while it makes it, whatever its arrays.
 
 
-class _Distances(torch.autograd.Function):  # type: ignore[misc]
-    """What ``find`` returns of points and vertices: distances, and what follows them in a ``Nearest`` or in ``Cells``.
-
-    The distances alone can be differentiated: those of a ``Nearest`` by points and vertices, those of ``Cells`` by vertices.
-    """
+class _Find(torch.autograd.Function):  # type: ignore[misc]
+    """What ``find`` returns of points and vertices, as constants."""
 
     @staticmethod
     def forward(points: Any, vertices: Any, find: Callable[..., Nearest | Cells]) -> Any:
-        found = find(to_numpy(points), None if vertices is None else to_numpy(vertices))
-        return tuple(torch.from_numpy(np.asarray(array)).to(points.device) for array in found)
+        found = find(*_arrays(points, vertices))
+        return tuple(torch.from_numpy(np.asarray(array)).to(points.device) for array in found if array is not None)
 
     @staticmethod
     def setup_context(ctx: Any, inputs: tuple[Any, ...], output: tuple[Any, ...]) -> None:
-        vertices, (_, *rest) = inputs[1], output
-        ctx.mark_non_differentiable(*rest)
-        ctx.save_for_backward(*rest[:3])
-        ctx.vertices = None if vertices is None else (vertices.shape, vertices.dtype, vertices.device)
+        ctx.mark_non_differentiable(*output)
 
     @staticmethod
-    @torch.autograd.function.once_differentiable  # type: ignore[untyped-decorator]
-    def backward(ctx: Any, upstream: Any, *_: Any) -> tuple[Any, ...]:
-        gradient, corners, weights = ctx.saved_tensors
-        along = upstream[..., None] * gradient
-        to_points = along if ctx.needs_input_grad[0] else None
-        if not ctx.needs_input_grad[1]:
-            return to_points, None, None
-        shape, dtype, device = ctx.vertices
-        shares = torch.where(weights[..., None] > 0, -weights[..., None] * along[..., None, :], 0.0)
-        to_vertices = torch.zeros(shape, dtype=dtype, device=device).index_add(
-            0, corners.reshape(-1).to(device), shares.reshape(-1, 3).to(device, dtype)
-        )
-        return to_points, to_vertices, None
+    def backward(ctx: Any, *_: Any) -> tuple[None, ...]:
+        return None, None, None
 
     @staticmethod
     def vmap(
@@ -81,12 +66,79 @@ class _Distances(torch.autograd.Function):  # type: ignore[misc]
     ) -> tuple[Any, Any]:
         if in_dims[1] is not None:
             raise UsageError("vertices must be the same for all points; a surface is prepared of one mesh")
-        found = _Distances.apply(points.movedim(in_dims[0], 0), vertices, find)
+        found = _Find.apply(points.movedim(in_dims[0], 0), vertices, find)
         return found, (0,) * len(found)
 
 
+def _arrays(points: Any, vertices: Any) -> tuple[npt.NDArray[Any], npt.NDArray[Any] | None]:
+    return to_numpy("points", points.detach()), None if vertices is None else to_numpy("vertices", vertices.detach())
+
+
+def _find(find: Callable[..., Nearest | Cells], points: Any, vertices: Any) -> Any:
+    return _Find.apply(points.detach(), None if vertices is None else vertices.detach(), find)
+
+
+def _eager(function: _Function) -> _Function:
+    """Returns a function that ``torch.compile`` does not compile, but calls. The first such call imports its compiler."""
+
+    @wraps(function)
+    def call(*args: Any, **options: Any) -> Any:
+        return (torch.compiler.disable(function) if torch.compiler.is_compiling() else function)(*args, **options)
+
+    return call  # type: ignore[return-value]
+
+
+class _Distance(torch.autograd.Function):  # type: ignore[misc]
+    """Distances whose projection is differentiated only where gradients of gradients are wanted."""
+
+    generate_vmap_rule = True
+
+    @staticmethod
+    def forward(points: Any, vertices: Any, surface: Surface, found: Query[Any, Any, Any]) -> Any:
+        return torch.tensor(found.distance, device=points.device)
+
+    @staticmethod
+    def setup_context(ctx: Any, inputs: tuple[Any, ...], output: Any) -> None:
+        points, vertices, ctx.surface, ctx.found = inputs
+        ctx.save_for_backward(points, vertices)
+        ctx.none = torch.zeros_like(vertices) if ctx.needs_input_grad[1] else None
+
+    @staticmethod
+    def backward(ctx: Any, upstream: Any) -> tuple[Any, ...]:
+        if torch.is_grad_enabled():
+            return *_differentiable(ctx, upstream), None, None
+        of_points = upstream[..., None] * torch.from_numpy(slope(ctx.found)).to(upstream)
+        if not ctx.needs_input_grad[1]:
+            return of_points, None, None, None
+        corners, weights = (torch.from_numpy(array).to(upstream.device) for array in shares(ctx.surface, ctx.found))
+        of_corners = (-of_points[..., None, :] * weights[..., None]).reshape(-1, 3).to(ctx.none)
+        return of_points, ctx.none.index_add(0, corners.reshape(-1).to(ctx.none.device), of_corners), None, None
+
+
+def _differentiable(ctx: Any, upstream: Any) -> tuple[Any, Any]:
+    """Returns the gradients of ``_Distance`` for points and vertices, which can be differentiated themselves."""
+    points, wanted = ctx.saved_tensors[0], ctx.needs_input_grad[:2]
+    # Vertices may depend on the points, or these on them: views part what each contributes.
+    own = [None if each is None else each.view_as(each) for each in ctx.saved_tensors]
+    held = hold(ctx.surface, to_numpy("points", points.detach()), ctx.found)
+    found = Nearest(*(torch.from_numpy(np.asarray(array)).to(points.device) for array in held))
+    inputs = [each for each, is_wanted in zip(own, wanted, strict=True) if is_wanted]
+    made = iter(torch.autograd.grad(_followed(found, *own), inputs, upstream, create_graph=True))
+    of_points, of_vertices = (next(made) if is_wanted else None for is_wanted in wanted)
+    return of_points, of_vertices
+
+
+def _is_transformed(*tensors: Any) -> bool:
+    """Returns whether ``torch.func`` or forward mode follows what is computed."""
+    given = [each for each in tensors if each is not None]
+    made = [each.detach() for each in given]  # ``torch.func`` wraps what is made within it of other tensors, too.
+    unpack, unwrap = torch.autograd.forward_ad.unpack_dual, torch.func.debug_unwrap
+    return any(unwrap(each) is not each for each in made) or any(unpack(each).tangent is not None for each in given)
+
+
+@_eager
 def signed_distance(surface: Surface, points: Any, *, vertices: Any = None, threads: int | None = None) -> Any:
-    """Returns distances at points, (...) for points (..., 3), negative inside, which can be differentiated once.
+    """Returns distances at points, (...) for points (..., 3), negative inside, differentiable any number of times.
 
     The gradient for a point is the unit vector along which its distance grows: away from the closest point of the
     surface outside, towards it inside. It is 0 for a point on the surface, and where several points of the surface are
@@ -95,13 +147,14 @@ def signed_distance(surface: Surface, points: Any, *, vertices: Any = None, thre
     The gradient for a vertex is the sum, over the points whose closest point lies on one of its faces, of the opposite
     vector times the vertex's barycentric weight there.
 
-    The second derivative with respect to the points is 0 inside of the region of a face, and not computed. ``torch.func``
-    takes the function, with ``grad`` and ``vmap`` over points.
+    Further derivatives are those of the distance to the face, the edge or the vertex that holds the closest point: the
+    second one with respect to the points is 0 within the region of a face. ``torch.func`` takes the function, with all
+    its derivatives, and with ``vmap`` over points. ``torch.compile`` calls it without compiling it.
 
     Args:
         surface: A surface; without a sign, distances are not negative.
-        points: A tensor of positions in the mesh's units, (..., 3), float32 or float64, on any device. The work is done
-            on the CPU. The result has its type and is on its device.
+        points: A tensor of positions in the mesh's units, (..., 3), on any device. The work is done on the CPU, in float32
+            for float16 and bfloat16. The result has the tensor's type and is on its device.
         vertices: The vertices of the surface's mesh, (n, 3), to differentiate with respect to them. After they have moved,
             prepare a new surface of them.
         threads: Number of CPU threads; None = ``raymap.get_threads()``.
@@ -110,14 +163,23 @@ def signed_distance(surface: Surface, points: Any, *, vertices: Any = None, thre
         InputError: Points of another shape, or vertices that are not those of the surface.
         UsageError: ``vmap`` over vertices.
         MemoryLimitError: The results do not fit into memory.
-        RuntimeError: The gradient is differentiated again.
     """
     _check_tensor("points", points, "surface.signed_distance(points)")
     if vertices is not None:
         _check_tensor("vertices", vertices, "surface.signed_distance(points)")
-    return _Distances.apply(points, vertices, partial(find_nearest, surface, threads=threads))[0]
+    wide = _wide(points)
+    if _is_transformed(wide, vertices):
+        found = Nearest(*_find(partial(find_nearest, surface, threads=threads), wide, vertices))
+        distance = _followed(found, wide, vertices)
+    elif torch.is_grad_enabled() and (wide.requires_grad or (vertices is not None and vertices.requires_grad)):
+        distance = _Distance.apply(wide, vertices, surface, find_closest(surface, *_arrays(wide, vertices), threads))
+    else:
+        plain = find_closest(surface, *_arrays(wide, vertices), threads, ("distance",)).distance
+        distance = torch.from_numpy(np.asarray(plain)).to(points.device)
+    return _typed(distance, points)
 
 
+@_eager
 def closest_point(surface: Surface, points: Any, *, vertices: Any = None, threads: int | None = None) -> Any:
     """Returns the closest points of a surface, (..., 3) for points (..., 3), which can be differentiated any number of times.
 
@@ -135,14 +197,15 @@ def closest_point(surface: Surface, points: Any, *, vertices: Any = None, thread
         InputError, UsageError, MemoryLimitError: As for ``signed_distance``.
     """
     _check_tensor("points", points, "surface.closest(points)")
-    if vertices is None:
-        vertices = torch.tensor(surface.mesh.vertices)
-    _check_tensor("vertices", vertices, "surface.closest(points)")
-    find = partial(find_nearest, surface, threads=threads)
-    _, _, corners, weights = _Distances.apply(points.detach(), vertices.detach(), find)
-    return project(torch.where, points, vertices.to(points.device, points.dtype)[corners], weights)
+    if vertices is not None:
+        _check_tensor("vertices", vertices, "surface.closest(points)")
+    wide = _wide(points)
+    found = Nearest(*_find(partial(find_nearest, surface, threads=threads), wide, vertices))
+    nearest = project(torch.where, _change(wide), found.places + _moved(found, vertices), found.weights)
+    return _typed(wide.detach() + nearest, points)
 
 
+@_eager
 def sample(
     field: Field | SparseField,
     points: Any,
@@ -161,12 +224,12 @@ def sample(
     point, and is 0 for samples on the surface and for clamped ones. A narrow band clamps at ``inside`` and ``outside``.
 
     Points outside of the box of the samples, and those that are not finite, get NaN and the gradient 0. ``torch.func``
-    takes the function, with ``grad`` and ``vmap`` over points.
+    takes the function, with all its derivatives, and with ``vmap`` over points.
 
     Args:
         field: A dense field or a narrow band.
-        points: A tensor of positions in the mesh's units, (..., 3), float32 or float64, on any device. The work is done
-            on the CPU. The result has its type and is on its device.
+        points: A tensor of positions in the mesh's units, (..., 3), on any device. The work is done on the CPU, in float32
+            for float16 and bfloat16. The result has the tensor's type and is on its device.
         surface: To differentiate with respect to vertices: a surface of them that the field agrees with, as one that its
             ``generate`` made does. Only the samples around the points are asked for.
         vertices: The vertices of the surface's mesh, (n, 3). After they have moved, prepare a new surface of them, and
@@ -178,15 +241,44 @@ def sample(
             distance.
         UsageError: A surface without vertices, vertices without a surface, or ``vmap`` over vertices.
         TypeError: The field is no ``raymap.Field`` and no ``raymap.SparseField``, or the points are no tensor.
-        RuntimeError: The gradient for the vertices is differentiated again with respect to them.
     """
     check_field(field, surface, vertices)
     _check_tensor("points", points, "field.sample(points)")
     if vertices is not None:
         _check_tensor("vertices", vertices, "field.sample(points)")
-    still = points.detach()
-    found = Cells(*_Distances.apply(still, vertices, partial(find_cells, field, surface, threads=threads)))
-    return interpolate(torch.where, found, (points - still) / field.spacing)
+    wide = _wide(points)
+    found = Cells(*_find(partial(find_cells, field, surface, threads=threads), wide, vertices))
+    distance = found.distance
+    if vertices is not None:
+        distance = follow(torch.where, torch.detach, found.nearest, 0.0, _moved(found.nearest, vertices))
+    return _typed(interpolate(torch.where, found, distance, _change(wide) / field.spacing), points)
+
+
+def _wide(points: Any) -> Any:
+    """Returns points in the type in which the work is done: of real numbers, float64, or float32 for shorter ones."""
+    if points.is_complex() or points.dtype in (torch.float32, torch.float64):
+        return points
+    return points.to(torch.float32 if points.is_floating_point() else torch.float64)
+
+
+def _typed(result: Any, points: Any) -> Any:
+    """Returns a result in the type of the points, if that is one of real numbers."""
+    return result.to(points.dtype) if points.is_floating_point() else result
+
+
+def _change(values: Any) -> Any:
+    """Returns 0 with the derivatives of the values."""
+    return values - values.detach()
+
+
+def _moved(found: Nearest, vertices: Any) -> Any:
+    """Returns what the corners move by, (..., 3, 3): 0, with the derivatives of the vertices."""
+    return 0.0 if vertices is None else _change(vertices).to(found.weights)[found.corners]
+
+
+def _followed(found: Nearest, points: Any, vertices: Any) -> Any:
+    """Returns distances with all their derivatives."""
+    return follow(torch.where, torch.detach, found, _change(points), _moved(found, vertices))
 
 
 def _check_tensor(name: str, given: Any, instead: str) -> None:

@@ -39,10 +39,11 @@ using Bounds = std::pair<Triple, Triple>;
 /// A mesh of our own, or a view of arrays that Python owns.
 struct MeshHandle {
   Mesh owned = {};
+  std::vector<glm::dvec3> exact = {};  ///< Positions of a file that `owned` would round.
   /// Keep the viewed arrays alive. They are no `nb::ndarray`: NumPy does not let go of what DLPack exported
   /// once the interpreter ends.
   nb::object vertices = {}, faces = {};
-  MeshView view = {};  ///< View of `owned` or of the arrays.
+  MeshView view = {};  ///< View of `owned`, with `exact` if that has any, or of the arrays.
 
   MeshHandle() = default;
   MeshHandle(const MeshHandle&) = delete;
@@ -80,7 +81,7 @@ std::shared_ptr<MeshHandle> own(Mesh mesh);
 /// Returns the grid that these options lay over a valid mesh.
 Grid fit(const MeshView& mesh, int resolution, double voxelSize,
          const std::optional<std::tuple<int, int, int>>& dims, const std::optional<Bounds>& box,
-         double padding, double thickness);
+         double padding, double thickness, bool align);
 
 /// Returns a NumPy array of this shape that owns the elements, for example of a vector.
 template <class Number, class Elements>

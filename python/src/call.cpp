@@ -14,6 +14,9 @@ namespace {
 
 constexpr auto kPause = std::chrono::milliseconds(100);
 
+/// Most points whose queries take a few milliseconds.
+constexpr size_t kFewPoints = 1000;
+
 }  // namespace
 
 ProgressCallback Call::progress() {
@@ -38,7 +41,14 @@ WarningCallback Call::warn() {
   };
 }
 
-void Call::run(const std::function<void()>& work) {
+void Call::run(const std::function<void()>& work, size_t points) {
+  if (points <= kFewPoints && report_.is_none()) {
+    {
+      const nb::gil_scoped_release release;
+      work();
+    }
+    return passOnWarnings();
+  }
   std::thread worker([&] {
     try {
       work();

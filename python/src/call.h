@@ -4,6 +4,8 @@
 
 #include <atomic>
 #include <condition_variable>
+#include <cstddef>
+#include <cstdint>
 #include <exception>
 #include <functional>
 #include <mutex>
@@ -32,7 +34,9 @@ class Call {
   MachineOptions on(MachineOptions machine);
 
   /// Does the work. Throws what the work, the callable or a signal's handler throws. Then passes on warnings.
-  void run(const std::function<void()>& work);
+  /// Work at few points is short: without a callable, the calling thread does it, for a thread of its own
+  /// would take longer.
+  void run(const std::function<void()>& work, size_t points = SIZE_MAX);
 
  private:
   struct Report {

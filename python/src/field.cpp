@@ -59,6 +59,11 @@ void bindField(nb::module_& module) {
            "surface_bounds"_a.none())
       .def("set_floats", &setArray<FieldHandle, FloatGrid>, "name"_a, "array"_a.noconvert())
       .def("set_wholes", &setArray<FieldHandle, WholeGrid>, "name"_a, "array"_a.noconvert())
+      .def("validate",
+           [](const FieldHandle& self) {
+             Samples none;
+             sample(self.field, {}, {}, none, {.threads = 1});  // Checks the field first.
+           })
       .def("array", &viewArray, "name"_a)
       .def_prop_ro("arrays", &arrayNames<FieldHandle>)
       .def_prop_ro("clamp_distance", [](const FieldHandle& self) { return self.field.clampDistance; })

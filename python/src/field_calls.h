@@ -2,9 +2,11 @@
 
 // Functions that bind dense fields and narrow bands alike.
 
+#include <raymap/error.h>
 #include <raymap/names.h>
 #include <raymap/sample.h>
 
+#include <algorithm>
 #include <span>
 #include <string>
 #include <vector>
@@ -46,9 +48,22 @@ std::vector<std::string> arrayNames(const Handle& handle) {
   return all;
 }
 
+/// Throws `Error(Usage)` unless an array has the shape of the field. Those of narrow bands are checked
+/// together.
+template <class Array>
+void checkShape(const FieldHandle& handle, std::string_view name, const Array& array) {
+  const glm::ivec3 dims = handle.field.grid.dims;
+  for (int axis = 0; axis < 3; ++axis)
+    if (array.shape(size_t(axis)) != size_t(std::max(dims[axis], 0)))
+      throw Error(ErrorCode::Usage, std::string(name) + " does not have the shape of the field");
+}
+template <class Array>
+void checkShape(const SparseHandle&, std::string_view, const Array&) {}
+
 /// Copies the numbers of an array in the order of its memory.
 template <class Handle, class Array>
 void setArray(Handle& handle, std::string_view name, const Array& array) {
+  checkShape(handle, name, array);
   withArray(handle.field, fromName<FieldArray>(name), [&](auto& buffer) {
     if constexpr (std::is_same_v<std::remove_cvref_t<decltype(buffer[0])>,
                                  std::remove_const_t<typename Array::Scalar>>) {

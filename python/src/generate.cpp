@@ -85,9 +85,12 @@ void bindMachine(nb::module_& module) {
 
 Grid fit(const MeshView& mesh, int resolution, double voxelSize,
          const std::optional<std::tuple<int, int, int>>& dims, const std::optional<Bounds>& box,
-         double padding, double thickness) {
-  GridOptions options{
-      .resolution = resolution, .voxelSize = voxelSize, .padding = padding, .thickness = thickness};
+         double padding, double thickness, bool align) {
+  GridOptions options{.resolution = resolution,
+                      .voxelSize = voxelSize,
+                      .padding = padding,
+                      .thickness = thickness,
+                      .align = align};
   if (dims) options.dims = toWhole(*dims);
   if (box) options.box = Box{toVector(box->first), toVector(box->second)};
   return fitGrid(mesh, options);
@@ -109,12 +112,12 @@ void bindGenerate(nb::module_& module) {
       "fit_grid",
       [](const MeshHandle& mesh, int resolution, double voxelSize,
          const std::optional<std::tuple<int, int, int>>& dims, const std::optional<Bounds>& bounds,
-         double padding, double thickness) {
+         double padding, double thickness, bool align) {
         if (!bounds) validate(mesh.view);
-        return fit(mesh.view, resolution, voxelSize, dims, bounds, padding, thickness);
+        return fit(mesh.view, resolution, voxelSize, dims, bounds, padding, thickness, align);
       },
       "mesh"_a, "resolution"_a, "voxel_size"_a, "dims"_a.none(), "bounds"_a.none(), "padding"_a,
-      "thickness"_a);
+      "thickness"_a, "align"_a);
   bindOptions(module);
   nb::class_<GeneratorHandle>(module, "Generator")
       .def(nb::init<>())

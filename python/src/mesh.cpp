@@ -1,5 +1,6 @@
 #include <raymap/error.h>
 #include <raymap/io.h>
+#include <raymap/polygons.h>
 
 #include <filesystem>
 #include <vector>
@@ -48,11 +49,33 @@ std::shared_ptr<MeshHandle> view(nb::object vertexArray, nb::object faceArray, c
   return handle;
 }
 
+template <class Number>
+using Packed = nb::ndarray<const Number, nb::c_contig, nb::device::cpu>;
+
+/// Returns the triangles of polygons, and the number of polygons that cannot be cut.
+std::pair<nb::ndarray<nb::numpy, uint32_t>, size_t> cut(const Packed<double>& positions,
+                                                        const Packed<uint32_t>& corners,
+                                                        const Packed<uint32_t>& sizes) {
+  CutPolygons result;
+  {
+    const nb::gil_scoped_release release;
+    result = cutPolygons({reinterpret_cast<const glm::dvec3*>(positions.data()), positions.size() / 3},
+                         {corners.data(), corners.size()}, {sizes.data(), sizes.size()});
+  }
+  const size_t count = result.triangles.size();
+  return {toArray<uint32_t>(std::move(result.triangles), {count, 3}), result.uncut};
+}
+
 std::shared_ptr<MeshHandle> load(const std::filesystem::path& path, bool allowEmpty) {
   Call call{nb::none()};
   Mesh mesh;
-  call.run([&] { mesh = readMesh(path, {.warn = call.warn(), .allowEmpty = allowEmpty}); });
-  return own(std::move(mesh));
+  std::vector<glm::dvec3> exact;
+  call.run([&] { mesh = readMesh(path, {.warn = call.warn(), .allowEmpty = allowEmpty, .exact = &exact}); });
+  auto handle = own(std::move(mesh));
+  if (exact.empty()) return handle;
+  handle->exact = std::move(exact);
+  handle->view = MeshView(handle->exact, handle->owned.triangles);
+  return handle;
 }
 
 std::shared_ptr<AnimatedMesh> loadAnimation(const std::filesystem::path& path, size_t index) {
@@ -67,11 +90,13 @@ std::shared_ptr<MeshHandle> poseAt(const AnimatedMesh& animation, double seconds
   return own(posed(animation, seconds));
 }
 
-/// Views the vertices of a mesh of our own, about its origin.
-nb::ndarray<nb::numpy, const float> vertices(nb::handle_t<MeshHandle> self) {
-  const Mesh& mesh = nb::cast<const MeshHandle&>(self).owned;
-  const size_t shape[] = {mesh.vertices.size(), 3};
-  return {reinterpret_cast<const float*>(mesh.vertices.data()), 2, shape, self};
+/// Views the vertices of a mesh of our own, about its origin: floats, or doubles of a file that they would
+/// round.
+nb::ndarray<nb::numpy, nb::ro> vertices(nb::handle_t<MeshHandle> self) {
+  const MeshView& mesh = nb::cast<const MeshHandle&>(self).view;
+  const size_t shape[] = {mesh.vertexCount, 3};
+  const auto type = mesh.scalar == Scalar::Double ? nb::dtype<double>() : nb::dtype<float>();
+  return {mesh.vertices, 2, shape, self, nullptr, type};
 }
 
 /// Views the triangles of a mesh of our own.
@@ -102,6 +127,7 @@ void bindMesh(nb::module_& module) {
             call.run([&] { writeMesh(path, mesh.view, {.warn = call.warn()}); });
           },
           "path"_a);
+  module.def("cut_polygons", &cut, "positions"_a, "corners"_a, "sizes"_a);
   module.def("load_mesh", &load, "path"_a, "allow_empty"_a);
   nb::class_<AnimatedMesh>(module, "Animation")
       .def_prop_ro("duration", &AnimatedMesh::seconds)

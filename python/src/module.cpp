@@ -24,6 +24,7 @@ NB_MODULE(_raymap, module) {
   module.def("version", [] { return std::string(raymap::version().text); });
   module.def("set_threads", &raymap::setDefaultThreads, "threads"_a);
   module.def("get_threads", &raymap::defaultThreads);
+  module.def("set_leak_warnings", &nanobind::set_leak_warnings, "on"_a);
   module.def("write_whole", &writeWhole, "path"_a, "content"_a);
   bindErrors(module);
   bindMachine(module);

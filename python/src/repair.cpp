@@ -37,6 +37,7 @@ void bindRepair(nb::module_& module) {
       .def_rw("drain_holes", &RepairOptions::drainHoles)
       .def_rw("drop_smaller", &RepairOptions::dropSmaller)
       .def_rw("keep_cavities", &RepairOptions::keepCavities)
+      .def_rw("base", &RepairOptions::base)
       .def_rw("remesh", &RepairOptions::remesh)
       .def_rw("triangles", &RepairOptions::triangles)
       .def_prop_rw(

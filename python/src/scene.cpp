@@ -39,27 +39,37 @@ nb::dict toDict(SceneResult result, const SceneOptions& options, size_t count, s
   if (options.closest) dict["closest"] = toArray<double>(std::move(result.closest), {count, 3});
   if (options.gradient) dict["gradient"] = toArray<double>(std::move(result.gradient), {count, 3});
   if (options.distances) dict["distances"] = toArray<double>(std::move(result.distances), {count, bodies});
+  if (options.triangle) dict["triangle"] = toArray<uint32_t>(std::move(result.triangle), {count});
   return dict;
 }
 
-nb::dict queryScene(const Scene& self, const WorldPoints& points, const SceneOptions& options,
-                    const MachineOptions& machine, nb::object progress) {
+nb::dict queryScene(const Scene& self, const WorldPoints& points, SceneOptions options,
+                    const std::vector<uint32_t>& without, const MachineOptions& machine,
+                    nb::object progress) {
   Call call(std::move(progress));
   SceneResult result;
+  options.without = without;
   const PointsView view(points.data(), points.shape(0));
-  call.run([&] { result = self.query(view, options, call.on(machine)); });
+  call.run([&] { result = self.query(view, options, call.on(machine)); }, view.count);
   return toDict(std::move(result), options, points.shape(0), self.size());
 }
 
 nb::dict queryConfigurations(const Scene& self, const WorldPoints& points, const PoseArray& rows,
-                             size_t count, bool hasOwnPoints, const SceneOptions& options,
-                             const MachineOptions& machine, nb::object progress) {
+                             size_t count, bool hasOwnPoints, SceneOptions options,
+                             const std::vector<uint32_t>& without, const MachineOptions& machine,
+                             nb::object progress) {
   Call call(std::move(progress));
   SceneResult result;
+  options.without = without;
   const PointsView view(points.data(), points.shape(0));
   const std::vector<glm::dmat4> poses = toPoses(rows);
-  call.run([&] { result = self.query(view, {poses, count, hasOwnPoints}, options, call.on(machine)); });
-  return toDict(std::move(result), options, hasOwnPoints ? view.count : count * view.count, self.size());
+  const size_t total = hasOwnPoints ? view.count : count * view.count;
+  call.run(
+      [&] {
+        result = self.query(view, {poses, count, hasOwnPoints}, options, call.on(machine));
+      },
+      total);
+  return toDict(std::move(result), options, total, self.size());
 }
 
 }  // namespace
@@ -71,7 +81,9 @@ void bindScene(nb::module_& module) {
       .def_rw("body", &SceneOptions::body)
       .def_rw("closest", &SceneOptions::closest)
       .def_rw("gradient", &SceneOptions::gradient)
-      .def_rw("distances", &SceneOptions::distances);
+      .def_rw("distances", &SceneOptions::distances)
+      .def_rw("triangle", &SceneOptions::triangle)
+      .def_rw("max_distance", &SceneOptions::maxDistance);
   nb::class_<Scene>(module, "Scene")
       .def(nb::init<>())
       .def(
@@ -106,9 +118,12 @@ void bindScene(nb::module_& module) {
           "set_poses", [](Scene& self, const PoseArray& poses) { self.setPoses(toPoses(poses)); }, "poses"_a)
       .def("poses", &posesOf)
       .def_prop_ro("names", &Scene::names)
-      .def("query", &queryScene, "points"_a.noconvert(), "options"_a, "machine"_a, "progress"_a.none())
+      .def(
+          "number", [](const Scene& self, std::string_view name) { return self.number(name); }, "name"_a)
+      .def("query", &queryScene, "points"_a.noconvert(), "options"_a, "without"_a, "machine"_a,
+           "progress"_a.none())
       .def("query_many", &queryConfigurations, "points"_a.noconvert(), "poses"_a.noconvert(), "count"_a,
-           "has_own_points"_a, "options"_a, "machine"_a, "progress"_a.none());
+           "has_own_points"_a, "options"_a, "without"_a, "machine"_a, "progress"_a.none());
 }
 
 }  // namespace raymap::python

@@ -83,7 +83,7 @@ nb::dict query(const Surface& self, const PointArray<Real>& points, const QueryO
   Call call(std::move(progress));
   QueryResult result;
   const PointsView view(points.data(), points.shape(0));
-  call.run([&] { self.query(view, options, result, call.on(machine)); });
+  call.run([&] { self.query(view, options, result, call.on(machine)); }, view.count);
   return toDict(std::move(result), options, points.shape(0));
 }
 
@@ -136,10 +136,11 @@ void bindSurface(nb::module_& module) {
           "fit_grid",
           [](const Surface& self, int resolution, double voxelSize,
              const std::optional<std::tuple<int, int, int>>& dims, const std::optional<Bounds>& bounds,
-             double padding, double thickness) {
-            return fit(self.mesh(), resolution, voxelSize, dims, bounds, padding, thickness);
+             double padding, double thickness, bool align) {
+            return fit(self.mesh(), resolution, voxelSize, dims, bounds, padding, thickness, align);
           },
-          "resolution"_a, "voxel_size"_a, "dims"_a.none(), "bounds"_a.none(), "padding"_a, "thickness"_a)
+          "resolution"_a, "voxel_size"_a, "dims"_a.none(), "bounds"_a.none(), "padding"_a, "thickness"_a,
+          "align"_a)
       .def("generate", &generate, "grid"_a, "options"_a, "machine"_a, "progress"_a.none())
       .def("generate_sparse", &generateSparse, "grid"_a, "options"_a, "machine"_a, "progress"_a.none())
       .def("generate_region", &generateRegion, "origin"_a, "spacing"_a, "dims"_a, "low"_a, "size"_a,

@@ -58,7 +58,7 @@ def test_another_type_is_a_type_error(name: str) -> None:
 
 
 def test_limits_themselves_are_taken() -> None:
-    field = raymap.generate(*MESH, resolution=1, padding=0, passes=0, threshold=0, threads=1, device="cpu")
+    field = raymap.generate(*MESH, resolution=1, padding=0, passes=1, threshold=0, threads=1, device="cpu")
     assert field.shape == (1, 1, 1)
 
 

@@ -121,7 +121,7 @@ def test_the_table_holds_warnings_with_their_codes(meshes: Path) -> None:
     rows = table()
     assert {name: row["warning_codes"] for name, row in rows.items() if row["warnings"]} == {"open.OBJ": "file_content"}
     texts = ["1 face with fewer than three corners dropped", "free-form curves and surfaces are not read"]
-    assert rows["open.OBJ"]["warnings"] == "; ".join(f"{meshes / 'open.OBJ'}: {text}" for text in texts)
+    assert rows["open.OBJ"]["warnings"] == "; ".join(f"open.OBJ: {text}" for text in texts)
 
 
 def test_the_page_refers_to_files_that_exist(meshes: Path) -> None:
@@ -263,6 +263,32 @@ def test_a_malformed_scene_is_quarantined(tmp_path: Path, content: bytes) -> Non
     assert generate(tmp_path / "bad.gltf").quarantined == ["bad.gltf"]
 
 
+def test_buffers_elsewhere_and_pipes_are_not_read(tmp_path: Path) -> None:
+    folder = tmp_path / "folder"
+    folder.mkdir()
+    (tmp_path / "secret.bin").write_bytes(b"secret")
+    (folder / "link.bin").symlink_to("../secret.bin")
+    os.mkfifo(folder / "pipe.bin")
+    for name in "../secret.bin", "link.bin", "pipe.bin":
+        (folder / "scene.gltf").write_text('{"buffers": [{"uri": "' + name + '"}]}')
+        assert buffer_hashes(str(folder / "scene.gltf"), 1 << 20) == {name: None}
+
+
+def test_spreadsheets_and_pages_show_names_as_they_are(meshes: Path) -> None:
+    names = ["=cmd|calc!A1.ply", "+1.ply", "-1.ply", "@sum.ply", "a=b.ply", "turned\u202eylp.\x1b.ply"]
+    for name in names:
+        shutil.copy(meshes / "small.ply", meshes / name)
+    (meshes / "small.ply").write_text("ply\nformat \x1b[31m\n")
+    generate(meshes)
+    shown = ["'=cmd|calc!A1.ply", "'+1.ply", "'-1.ply", "'@sum.ply", "a=b.ply", r"turned\u202eylp.\x1b.ply"]
+    rows = table()
+    assert set(shown) < rows.keys()
+    assert float(rows["a=b.ply"]["distance_min"]) < 0 and rows["a=b.ply"]["distance_min"].startswith("-")
+    assert rows["small.ply"]["reason"] == r"small.ply: line 2: unknown PLY format '\x1b[31m'"
+    for text in Path("out/table.csv").read_text(), Path("out/index.html").read_text():
+        assert "\u202e" not in text and "\x1b" not in text and str(meshes) not in text
+
+
 def test_large_json_is_left_to_the_process_of_the_mesh(tmp_path: Path) -> None:
     write_gltf(tmp_path / "scene.gltf", "corners.bin")
     size = (tmp_path / "scene.gltf").stat().st_size
@@ -331,9 +357,12 @@ def test_a_malformed_mesh_is_quarantined_until_it_is_mended(meshes: Path) -> Non
     assert (summary.done, summary.quarantined) == (NAMES, ["deep/bad.ply"])
     with pytest.raises(raymap.InputError) as error:
         raymap.load_mesh(meshes / "deep/bad.ply")
-    assert Path("out/quarantine/deep/bad.ply/reason.txt").read_text() == f"{error.value}\n"
+    reason = str(error.value).removeprefix(f"{meshes}/")
+    assert reason.startswith("deep/bad.ply: line 3: ")
+    assert Path("out/quarantine/deep/bad.ply/reason.txt").read_text() == f"{reason}\n"
+    assert str(meshes) not in Path("out/quarantine/deep/bad.ply/log.txt").read_text()
     assert "Traceback" in Path("out/quarantine/deep/bad.ply/log.txt").read_text()
-    assert table()["deep/bad.ply"]["reason"] == str(error.value)
+    assert table()["deep/bad.ply"]["reason"] == reason
     shutil.copy(meshes / "small.ply", meshes / "deep/bad.ply")
     assert generate(meshes).new == ["deep/bad.ply"]
     assert not Path("out/quarantine/deep/bad.ply").exists()
@@ -471,11 +500,10 @@ def test_what_the_machine_cannot_read_leaves_a_mesh_unfinished(tmp_path: Path) -
     error = raymap.FileError("mesh.ply: cannot read it: Input/output error")
     found = child._explain(error, {"memory_limit": 1000, "options": {}})
     assert found == {"reason": str(error), "again": False, "is_machine": True}
+    (tmp_path / "mesh.ply").symlink_to("/proc/self/mem")  # Reading its begin is an error of the device.
+    assert generate(tmp_path / "mesh.ply").unfinished == ["mesh.ply"]
     scene = tmp_path / "scene.gltf"
     write_gltf(scene, "corners.bin")
-    (tmp_path / "corners.bin").unlink()
-    (tmp_path / "corners.bin").symlink_to("/proc/self/mem")  # Reading its begin is an error of the device.
-    assert generate(scene).unfinished == ["scene.gltf"]
     scene.write_text(scene.read_text().replace("corners.bin", "corners" * 99))  # No file can have this name.
     assert generate(scene).quarantined == ["scene.gltf"]
 
@@ -488,10 +516,10 @@ def test_no_meshes(tmp_path: Path) -> None:
 
 def test_what_the_build_cannot_read_is_quarantined_all_the_same(meshes: Path) -> None:
     """The error is of the class that a missing device has."""
-    (meshes / "bad.off").write_bytes(b"OFF BINARY\n" + bytes(100))
+    (meshes / "bad.gltf").write_text('{"asset": {"version": "2.0"}, "extensionsRequired": ["ACME_shape"]}')
     with pytest.raises(raymap.UnsupportedError) as error:
-        raymap.load_mesh(meshes / "bad.off")
-    assert generate(meshes).quarantined == ["bad.off"] and table()["bad.off"]["reason"] == str(error.value)
+        raymap.load_mesh(meshes / "bad.gltf")
+    assert generate(meshes).quarantined == ["bad.gltf"] and f"{meshes}/{table()['bad.gltf']['reason']}" == str(error.value)
 
 
 def test_names_send_no_control_characters_to_the_terminal(meshes: Path) -> None:
@@ -566,7 +594,7 @@ def test_names_that_are_not_utf_8(meshes: Path) -> None:
     out = Path(os.fsdecode(b"\xe9"))
     rows = table(out)
     assert rows[r"caf\xe9 <1>.ply"]["state"] == "done"
-    assert rows[r"b\xe9d.ply"]["reason"].endswith(r"meshes/b\xe9d.ply: line 2: the file ends within its header")
+    assert rows[r"b\xe9d.ply"]["reason"] == r"b\xe9d.ply: line 2: the file ends within its header"
     assert {row["mesh"] for row in parquet.read_table("table.parquet").to_pylist()} == set(rows)
     page = (out / "index.html").read_text()
     assert r"caf\xe9 &lt;1&gt;.ply" in page and 'href="caf%E9%20%3C1%3E.ply.npz"' in page

@@ -7,6 +7,7 @@ import gc
 import pickle
 import re
 import struct
+import warnings
 import zlib
 
 import numpy as np
@@ -306,6 +307,13 @@ def test_pickling_keeps_everything(field):
     np.testing.assert_array_equal(copy.surface_bounds, field.surface_bounds)
     clamped = raymap.Field(np.zeros((2, 2, 2)), clamp_distance=1.5)
     assert pickle.loads(pickle.dumps(clamped)).clamp_distance == 1.5
+    restore, state = field.__reduce__()
+    wrong = {0: [(400, 400, 400), (16, 16, -16), (0, 0, 0)], 1: [(0, float("nan"), 0), (1e308, 0, 0)], 2: [float("nan"), 0.0, 1e-320],
+             3: [-1.0, float("inf")], 5: [{}, {"winding": np.zeros((1, 1, 1))}, {"distance": np.zeros((1, 1, 1))}]}  # fmt: skip
+    for place, values in wrong.items():
+        for value in values:
+            with pytest.raises(raymap.UsageError):
+                restore(*state[:place], value, *state[place + 1 :])
     assert pickle.loads(pickle.dumps(clamped)).surface_bounds is None
 
 
@@ -341,3 +349,34 @@ def test_isosurface_of_an_array(field):
         raymap.isosurface(np.ones((4, 4, 4)))
     with pytest.raises(raymap.InputError):
         raymap.isosurface(np.full((4, 4, 4), np.nan))
+
+
+def test_arrays_of_other_numbers():
+    mask = np.zeros((2, 2, 2), bool)
+    for array, text in (
+        (mask, "distance must be real numbers, not bool; a mask has no distances, a field has"),
+        (mask.astype(complex), "distance must be real numbers, not complex128$"),
+        (np.full((2, 2, 2), "1"), "distance must be real numbers, not <U1$"),
+    ):
+        with pytest.raises(raymap.InputError, match=text):
+            raymap.Field(array)
+    for name in ("winding", "confidence", "triangle"):
+        for kind in (complex, bool):
+            with pytest.raises(raymap.InputError, match=f"{name} must be (real|whole) numbers, not {kind.__name__}"):
+                raymap.Field(np.zeros((2, 2, 2)), **{name: mask.astype(kind)})
+    with pytest.raises(raymap.InputError, match="triangle must be whole numbers, not float64$"):
+        raymap.Field(np.zeros((2, 2, 2)), triangle=np.zeros((2, 2, 2)))
+    for kind in (np.int8, np.uint64, np.float16, object):
+        assert raymap.Field(np.ones((2, 2, 2), kind)).distance[1, 1, 1] == 1
+
+
+def test_numbers_beyond_float32_are_infinite_without_a_warning(ball):
+    """NumPy warns where it rounds them. pytest makes no errors of warnings here, so the test does."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        assert raymap.Field(np.full((2, 2, 2), 1e300)).distance[0, 0, 0] == np.inf
+        surface, far = raymap.Surface(ball), np.full((2, 3), 3e38, np.float32)
+        assert (surface.signed_distance(far) == np.inf).all() and (surface.closest(far).distance == np.inf).all()
+        assert (raymap.Scene([surface]).signed_distance(far) == np.inf).all()
+        assert (surface.signed_distance(far, transform=np.eye(4)) == np.inf).all()
+        assert (surface.signed_distance(far.astype(float)) < np.inf).all()

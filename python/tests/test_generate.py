@@ -37,6 +37,7 @@ def test_defaults_are_those_of_the_command_line(ball, run_raymap):
 @pytest.mark.parametrize("options, arguments", [
     (dict(resolution=20), ["--resolution", "20"]),
     (dict(voxel_size=0.17), ["--voxel-size", "0.17"]),
+    (dict(voxel_size=0.17, align=True), ["--voxel-size", "0.17", "--align"]),
     (dict(padding=0.3), ["--padding", "0.3"]),
     (dict(bounds=((-1, -2, -1.5), (1, 1, 2))), ["--bounds", "-1", "-2", "-1.5", "1", "1", "2"]),
     (dict(distance="cell"), ["--distance", "cell"]),
@@ -117,6 +118,7 @@ def test_stats(ball):
     (dict(voxel_size=0), raymap.UsageError, "voxel_size must be above 0, not 0"),
     (dict(voxel_size=float("nan")), raymap.UsageError, "voxel_size must be above 0, not nan"),
     (dict(padding=-1), raymap.UsageError, None),
+    (dict(shape=(4, 4, 4), align=True), raymap.UsageError, "align says where samples lie, as shape and cube do"),
     (dict(bounds=(0, 0, 0, 1, 1, 1)), raymap.UsageError, r"bounds must be \(\(x0"),
     (dict(bounds=((0, 0, 0), (1, 0, 1))), raymap.UsageError, "less than"),
     (dict(bounds=((0, 0, 0), (1, float("nan"), 1))), raymap.UsageError, "finite"),

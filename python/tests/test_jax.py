@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import subprocess
 import sys
+from functools import partial
 
 import numpy as np
 import pytest
@@ -122,11 +123,56 @@ def test_samples_of_narrow_bands(surface, points, inside):
         assert (found[-len(points) :] == 0).all() == (inside == 2)
 
 
+def test_second_derivatives():
+    """Those of the distance to what holds the closest point: a face, the edge along x, the corner at 0."""
+    jax = load("jax")
+    surface = raymap.Surface("tetrahedron.ply")
+    edge, corner = np.array((0, 0.8, -0.6)), np.array((-2, -2, -1)) / 3
+    points = np.float32([(0.2, 0.3, -0.5), (0.4, -0.3, -0.4), (-0.2, -0.2, -0.1), (np.nan, 0, 0)])
+    found = jax.jit(jax.vmap(jax.hessian(lambda p: raymap.jax.signed_distance(surface, p))))(points)
+    none, edges, corners = np.zeros((3, 3)), np.outer(edge, edge) / 0.5, (np.eye(3) - np.outer(corner, corner)) / 0.3
+    np.testing.assert_allclose(found, [none, edges, corners, none], atol=1e-5)
+
+
+@pytest.mark.parametrize("name", ["bfloat16", "float32"])
+def test_results_have_the_type_of_the_points(surface, name):
+    jax = load("jax")
+    dtype, field = jax.numpy.dtype(name), surface.generate(resolution=8)
+    points = jax.numpy.asarray([(0.0, 0.0, 1.5), (0.0, 0.0, 0.875)], dtype)
+    exact = np.asarray(points, np.float64)
+    functions = raymap.jax.signed_distance, raymap.jax.closest_point, raymap.jax.sample
+    for function, of in zip(functions, (surface, surface, field), strict=True):
+        found = jax.vmap(partial(function, of))(points)
+        assert found.dtype == dtype
+        np.testing.assert_allclose(np.asarray(found, float), function(of, exact), rtol=0.01, atol=1e-6)
+    gradient = jax.grad(lambda p: raymap.jax.signed_distance(surface, p)[0])(points)
+    assert gradient.dtype == dtype and gradient[0].tolist() == pytest.approx((0, 0, 1), abs=1e-2)
+    for found in (surface.signed_distance(points), surface.closest(points).point, field.sample(points)):
+        assert found.dtype == dtype and isinstance(found, jax.Array)
+
+
+def test_gradients_are_not_dropped(surface, points):
+    jax = load("jax")
+    field = surface.generate(resolution=4)
+    for function, instead in (
+        (surface.signed_distance, r"raymap.jax.signed_distance\(surface, points\)"),
+        (surface.closest, r"raymap.jax.closest_point\(surface, points\)"),
+        (lambda p: surface.closest(p).point, r"raymap.jax.closest_point\(surface, points\)"),
+        (field.sample, r"raymap.jax.sample\(field, points\)"),
+    ):
+        with pytest.raises(raymap.UsageError, match=f"points must be an array, but are traced by .* JAX; use {instead}"):
+            jax.grad(lambda p, f=function: f(p).sum())(points)
+    with pytest.raises(raymap.UsageError, match="are traced by a transformation of JAX(\n|$)"):
+        jax.jit(raymap.Scene({"ball": surface}).signed_distance)(points)
+
+
 def test_arguments_that_make_no_sense(surface, points):
     jax = load("jax")
     for function, of in ((raymap.jax.signed_distance, surface), (raymap.jax.sample, surface.generate(resolution=4))):
         with pytest.raises(raymap.InputError, match=r"points must be \(..., 3\) coordinates, not of the shape \(2, 2\)"):
             function(of, np.zeros((2, 2)))
+        with pytest.raises(raymap.InputError, match="points must be numbers, not complex64"):
+            function(of, np.zeros((2, 3), np.complex64))
     with pytest.raises(Exception, match="those of the surface, not"):
         jax.block_until_ready(raymap.jax.signed_distance(surface, points, vertices=np.zeros((2, 3), np.float32)))
 

@@ -157,6 +157,28 @@ def test_faces_keep_their_size(ball, given, read):
     np.testing.assert_array_equal(mesh.faces, ball.faces)
 
 
+def test_decimals_of_a_file_stay_as_they_are():
+    text = "v 0.1 0 0.3\nv 1.7 0 0\nv 0 0.22 0\nv 0.7 0.7 123.456\nf 1 2 3\nf 1 3 4\n"
+    Path("a.obj").write_text(text)
+    mesh = raymap.load_mesh("a.obj")
+    np.testing.assert_array_equal(mesh.vertices, [(0.1, 0, 0.3), (1.7, 0, 0), (0, 0.22, 0), (0.7, 0.7, 123.456)])
+    mesh.save("b.obj")
+    assert Path("b.obj").read_text() == text
+    again = pickle.loads(pickle.dumps(mesh))
+    np.testing.assert_array_equal(again.vertices, mesh.vertices)
+    field = raymap.generate(raymap.Mesh(mesh.vertices, mesh.faces), resolution=8, device="cpu")
+    np.testing.assert_array_equal(raymap.generate("a.obj", resolution=8, device="cpu").distance, field.distance)
+
+
+def test_a_far_vertex_is_named():
+    Path("a.obj").write_text("".join(f"v {v & 1} {v >> 1 & 1} {v >> 2}\n" for v in range(7)) + "v 1 1 1e20\n"
+                             + "".join(f"f {a} {b} {c}\n" for a, b, c in ((1, 3, 2), (2, 3, 4), (5, 6, 7), (6, 8, 7), (1, 2, 5), (2, 6, 5))))
+    with pytest.warns(raymap.RaymapWarning, match=r"vertex 7 \(used by triangle 3\) at \(1, 1, 1e\+20\)") as caught:
+        mesh = raymap.load_mesh("a.obj")
+    assert (caught[0].message.code, caught[0].message.fields["count"]) == ("far_vertices", 1)
+    assert raymap.info(mesh)["far_vertices"] == 1
+
+
 def test_single_precision(ball):
     vertices = ball.vertices.astype(np.float32)
     mesh = raymap.Mesh(vertices, ball.faces)
@@ -171,8 +193,23 @@ def test_single_precision(ball):
 @pytest.mark.parametrize("vertices, faces, text", [
     (np.zeros((4, 2)), [(0, 1, 2)], r"vertices must be \(n, 3\) positions, not of the shape \(4, 2\)"),
     (np.zeros(3), [(0, 1, 2)], "vertices must be"),
-    (np.zeros((4, 3)), [(0, 1, 2, 3)], r"faces must be \(n, 3\) vertex numbers, not of the shape \(1, 4\)"),
-    (np.zeros((4, 3)), [(0.0, 1.0, 2.0)], "faces must be whole numbers, not float64"),
+    (np.zeros((4, 3)), [(0, 1)], r"faces must be \(n, 3\) vertex numbers, not of the shape \(1, 2\)"),
+    (np.zeros((4, 3)), [(0.0, 1.0, 2.5)], "faces must be whole numbers, not float64 such as 2.5; for distances at points, use"),
+    (np.zeros((4, 3)), [(0.0, np.nan, 2.0)], "faces must be whole numbers, not float64 such as nan"),
+    (np.zeros((4, 3)), [(0.0, 2.0**53, 2.0)], "faces must be whole numbers, not float64 such as 9.0"),
+    (np.zeros((4, 3)), [(True, False, True)], "faces must be whole numbers, not bool"),
+    (np.zeros((4, 3)), [(0, 1, 2), (0, 1)], "faces must be rows of the same length: row 1 has 2 numbers, row 0 has 3"),
+    ([(0, 0, 0), (1, 0)], [(0, 1, 2)], "vertices must be rows of the same length: row 1 has 2 numbers, row 0 has 3"),
+    ([[(0, 0, 0)], [(1, 0)]], [(0, 1, 2)], "vertices must be rows of the same length: they are ragged"),
+    ([(0, 0, 0), (1, 0, "2")], [(0, 1, 2)], "vertices must be numbers, not <U"),
+    (np.array([(0, 0, None)]), [(0, 1, 2)], r"vertices must be numbers, but \[0, 2\] is None"),
+    (np.array([(0, 0, "1")], object), [(0, 1, 2)], r"vertices must be numbers, but \[0, 2\] is str"),
+    (np.zeros((4, 3)), [3, 0, 1, 2, 3, 0, 1], r"faces of the shape \(7,\) must have the number of its corners before each face, "
+     "but number 4 is 3"),
+    (np.zeros((4, 3)), [0, 1, 2, 0, 2, 3], "must have the number of its corners before each face, but number 0 is 0"),
+    (np.zeros((4, 3)), [2, 1, 2], "before each face, but number 0 is 2"),
+    (np.zeros((9, 3)), [(3, 0, 1, 2), (3, 4, 5, 6)], "faces: each row of 4 numbers begins with 3, which may be the number of its"),
+    (np.zeros((4, 3)), [(0, 1, 2, 4)], "a face has a vertex number out of range: 0 to 4"),
     (np.zeros((4, 3)), [(0, 1, 2), (0, -1, 2)], r"face 1 has a negative vertex number: \[0, -1, 2\]"),
     (np.zeros((4, 3), complex), [(0, 1, 2)], "vertices must be numbers, not complex128"),
 ])
@@ -186,6 +223,10 @@ def test_things_that_are_no_mesh():
         raymap.generate(np.zeros((4, 3)))
     with pytest.raises(TypeError, match="no mesh: builtins.int"):
         raymap.generate(3)
+    with pytest.raises(raymap.UsageError, match="a surface where a mesh is wanted: give surface.mesh, or call surface.generate"):
+        raymap.generate(raymap.Surface("ball.ply"))
+    with pytest.raises(raymap.InputError, match=r"triangles must be \(n, 3, 3\) positions, not of the shape \(4, 3, 2\)"):
+        raymap.generate(np.zeros((4, 3, 2)))
 
 
 @pytest.mark.parametrize("function", [raymap.generate, raymap.Generator().generate, raymap.Surface, raymap.info])
@@ -253,6 +294,21 @@ def test_repair_keeps_what_is_right(ball):
     assert raymap.repair(both, remesh=True, resolution=64).report["solids"] == 2
     with pytest.raises(raymap.UsageError):
         raymap.repair(both, drop_smaller=-1)
+
+
+def test_repair_joins_a_sheet_to_a_base():
+    x, y = np.meshgrid(np.arange(4.0), np.arange(4.0))
+    corner = np.arange(12).reshape(3, 4)[:, :3].ravel()
+    faces = np.vstack([np.stack([corner, corner + 1, corner + 5], 1), np.stack([corner, corner + 5, corner + 4], 1)])
+    sheet = raymap.Mesh(np.stack([x.ravel(), y.ravel(), 1 + 0.1 * (x * y).ravel()], 1), faces)
+    assert raymap.info(sheet)["verdict"]["thickness"] == 0.06
+    with pytest.warns(raymap.RaymapWarning, match=r"is a sheet.*\(base, or thickness=0.06 of raymap.generate\)"):
+        raymap.repair(sheet, resolution=16, device="cpu")
+    solid, report = raymap.repair(sheet, base=-1, device="cpu")
+    assert report["kept"] and report["after"]["watertight"] and abs(report["after"]["bounds"][0][2] + 1) < 1e-6
+    assert report["arrangement_before"] == "unknown" and report["arrangement_after"] == "separate"
+    with pytest.raises(raymap.InputError):
+        raymap.repair(sheet, base=1.5, device="cpu")
 
 
 def test_repair_without_options(ball):

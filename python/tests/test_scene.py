@@ -132,8 +132,95 @@ def test_bodies_come_and_go(scene, ball_surface):
         scene.set_pose("arm", np.eye(4))
     with pytest.raises(raymap.UsageError, match="the scene has a body 'ball'"):
         scene.add("ball", ball_surface)
-    with pytest.raises(TypeError, match="a body is a raymap.Surface, Field or SparseField, not a str"):
-        scene.add("file", "ball.ply")
+    for body in (3, None):
+        with pytest.raises(TypeError, match="a body is a raymap.Surface, Field or SparseField, or a mesh, not a"):
+            scene.add("file", body)
+    assert scene.names == ["egg", "again", "ball"]
+
+
+def test_lists_and_meshes_are_bodies(ball, ball_surface):
+    points = random_points(20)
+    expected = raymap.Scene({"0": ball_surface, "1": ball_surface})
+    for bodies in ([ball_surface, ball], (ball, "ball.ply"), [ball_surface, (ball.vertices, ball.faces)]):
+        made = raymap.Scene(bodies)
+        assert made.names == ["0", "1"] and all(isinstance(body, raymap.Surface) for body in made.bodies.values())
+        np.testing.assert_array_equal(made.signed_distance(points), expected.signed_distance(points))
+    assert raymap.Scene({"file": "ball.ply"}).names == ["file"] and len(raymap.Scene([])) == len(raymap.Scene()) == 0
+    with pytest.raises(TypeError, match="bodies must be a dict or a list of bodies, not a Surface"):
+        raymap.Scene(ball_surface)
+    with pytest.raises(raymap.FileError, match="gone.ply"):
+        raymap.Scene(["gone.ply"])
+
+
+def test_one_configuration(scene):
+    """Poses without an axis of configurations give results in the shape of the points."""
+    poses = random_poses(4, 3)[2]
+    for shape in ((), (5,), (2, 5)):
+        points = random_points(*shape)
+        found = scene.query(points, ("distance", "closest"), poses)
+        assert found.distance.shape == shape and found.closest.shape == (*shape, 3)
+        np.testing.assert_array_equal(found.distance, scene.signed_distance(points, poses))
+        np.testing.assert_array_equal(scene.signed_distance(points.reshape(-1, 3), poses[None])[0], found.distance.ravel())
+    before = scene.signed_distance(points)
+    scene.poses = poses
+    np.testing.assert_array_equal(scene.signed_distance(points), found.distance)
+    assert (before != found.distance).all()
+
+
+def test_triangles_of_bodies(scene):
+    points = random_points(50)
+    found = scene.query(points, ("body", "triangle"))
+    assert found.triangle.dtype == np.uint32 and found.distance is None
+    for point, body, triangle in zip(points, found.body, found.triangle, strict=True):
+        alone = scene.bodies[scene.names[body]]
+        assert alone.query(in_body(point, scene.poses[body]), "triangle").triangle == triangle
+    scene.add("field", scene.bodies["ball"].generate(resolution=8), pose((1, 0, 0), 0, (9, 9, 9)))
+    assert scene.query([(9, 9, 9), (np.nan, 0, 0)], "triangle").triangle.tolist() == [raymap.NO_TRIANGLE] * 2
+
+
+def test_bodies_are_left_out(scene):
+    points, names = random_points(200), ("distance", "body", "closest", "gradient", "triangle")
+    whole = scene.query(points, ("distance", "distances"))
+    found = scene.query(points, (*names, "distances"), without="ball")
+    np.testing.assert_array_equal(found.distances[:, 1:], whole.distances[:, 1:])
+    assert np.isnan(found.distances[:, 0]).all() and set(found.body) == {1, 2}
+    np.testing.assert_array_equal(found.distance, whole.distances[:, 1:].min(axis=1))
+    alone = scene.query(points, names, without=["again", "ball"])
+    np.testing.assert_array_equal(alone.distance, whole.distances[:, 1])
+    np.testing.assert_array_equal(scene.signed_distance(points, scene.poses[None], without=["again", "ball"])[0], alone.distance)
+    assert (alone.body == 1).all()
+    assert np.isinf(scene.signed_distance(points, without=scene.names)).all()
+    with pytest.raises(raymap.UsageError, match="the scene has no body 'arm'; it has 'ball', 'egg', 'again'"):
+        scene.signed_distance(points, without=["ball", "arm"])
+
+
+def test_distances_up_to_a_limit(scene, ball):
+    """Of surfaces and of a field."""
+    field = raymap.generate(ball, resolution=16)
+    scene.add("field", field, pose((0, 0, 1), 1, (3, 0, 0)))
+    points, names = random_points(400), ("distance", "body", "closest", "gradient", "triangle")
+    points[:3] = (3, 0, 0), scene.poses[0][:3, 3], (np.nan, 0, 0)
+    whole = scene.query(points, (*names, "distances"))
+    for limit in (0.25, 1.5):
+        found = scene.query(points, names, max_distance=limit)
+        is_far, is_inside = ~(np.abs(whole.distance) < limit), whole.distance < 0
+        assert 0 < is_far.sum() < len(points) and (is_far & is_inside).any() == (limit < 0.5)
+        for name in names:
+            np.testing.assert_array_equal(getattr(found, name)[~is_far], getattr(whole, name)[~is_far])
+        np.testing.assert_array_equal(found.distance, np.clip(whole.distance, -limit, limit))
+        assert np.isnan(found.closest[is_far]).all() and np.isnan(found.gradient[is_far]).all()
+        assert (found.triangle[is_far] == raymap.NO_TRIANGLE).all()
+        assert (found.body[is_far & ~is_inside] == raymap.NO_BODY).all()
+        deep = is_far & is_inside
+        assert (whole.distances[deep, found.body[deep]] <= -limit).all()
+        each = scene.query(points, (*names, "distances"), max_distance=limit)
+        np.testing.assert_array_equal(each.distances, np.clip(whole.distances, -limit, limit))
+        np.testing.assert_array_equal(each.distance, found.distance)
+        np.testing.assert_array_equal(each.body, found.body)
+        np.testing.assert_array_equal(scene.signed_distance(points, max_distance=limit), found.distance)
+    for limit in (0, -1, np.nan):
+        with pytest.raises(raymap.UsageError, match="max_distance must be above 0"):
+            scene.query(points, max_distance=limit)
 
 
 def test_an_empty_scene_is_far_everywhere():
@@ -156,8 +243,8 @@ def test_wrong_poses_are_named(scene):
     with pytest.raises(raymap.UsageError, match="the translation belongs into the last column"):
         scene.set_pose("egg", pose((1, 0, 0), 0, (1, 2, 3)).T)
     np.testing.assert_array_equal(scene.poses, before)
-    for shape in ((4, 2, 4, 4), (3, 4, 4)):
-        with pytest.raises(raymap.InputError, match=r"poses must be \(configurations, 3, 4, 4\) numbers, not of the shape"):
+    for shape in ((4, 2, 4, 4), (2, 4, 4), (3, 4), ()):
+        with pytest.raises(raymap.InputError, match=r"poses must be \(3, 4, 4\) or \(configurations, 3, 4, 4\) numbers, not of"):
             scene.signed_distance(np.zeros((1, 3)), np.zeros(shape))
     for shape in ((3,), (2, 5, 3)):
         with pytest.raises(raymap.InputError, match=r"points must be \(n, 3\) or \(4, n, 3\), not of the shape"):

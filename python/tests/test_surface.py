@@ -447,3 +447,23 @@ def test_regions_refuse_what_makes_no_sense(surface):
     refuses(raymap.Cancelled, None, progress=lambda stage, share: False)
     with pytest.raises(raymap.UsageError, match="made without a sign"):
         raymap.Surface(surface.mesh, sign=False).generate_region((0, 0, 0), (2, 2, 2), arrays="winding", **LATTICE)
+
+
+@pytest.mark.parametrize("count", [1, 1000, 1001])
+def test_short_calls(surface, count):
+    """The calling thread answers up to 1000 points. Values, errors and warnings are those of a thread of its own."""
+    points = np.random.default_rng(8).uniform(-1.5, 1.5, (count, 3))
+    stages: list[str] = []
+    found = surface.query(points, raymap.Query._fields)
+    shown = surface.query(points, raymap.Query._fields, progress=lambda stage, done: stages.append(stage))
+    for one, other in zip(found, shown, strict=True):
+        np.testing.assert_array_equal(one, other)
+    assert set(stages) == {"query"}
+    scene = raymap.Scene([surface])
+    np.testing.assert_array_equal(scene.signed_distance(points), found.distance)
+    many = scene.signed_distance(points, np.tile(np.eye(4), (3, 1, 1, 1)))
+    np.testing.assert_array_equal(many, np.tile(found.distance, (3, 1)))
+    unsigned = raymap.Surface("ball.ply", sign=False)
+    for progress in (None, lambda stage, done: None):
+        with pytest.raises(raymap.UsageError, match="winding"):
+            unsigned.query(points, "winding", progress=progress)

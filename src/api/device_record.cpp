@@ -11,10 +11,10 @@
 #include <chrono>
 #include <cstdint>
 #include <cstdio>
-#include <fstream>
 #include <map>
 #include <mutex>
 #include <ostream>
+#include <sstream>
 #include <thread>
 
 #include "base/descriptor.h"
@@ -49,10 +49,11 @@ std::string stemOf(const DeviceInfo& device) {
   return text;
 }
 
-std::optional<fs::path> pathOf(const DeviceInfo& device, const char* extension) {
+/// Returns the path of the mark of a test.
+std::optional<fs::path> pathOf(const DeviceInfo& device) {
   const std::optional<fs::path> folder = userCacheFolder();
   if (!folder) return std::nullopt;
-  return *folder / (stemOf(device) + extension);
+  return *folder / (stemOf(device) + ".running");
 }
 
 /// Results that could not be written to the folder, by `keyOf`.
@@ -67,9 +68,10 @@ Memory& memory() {
 
 /// Returns a record's file, or none if it is missing, damaged or another device's.
 std::optional<DeviceRecord> readFile(const DeviceInfo& device) {
-  const std::optional<fs::path> path = pathOf(device, ".txt");
-  if (!path) return std::nullopt;
-  std::ifstream file(*path);
+  constexpr uint64_t kMostBytes = 1 << 16;
+  const std::optional<std::string> content = readUserCache(stemOf(device) + ".txt", kMostBytes);
+  if (!content) return std::nullopt;
+  std::istringstream file(*content);
   std::string title, key, result, problem, end;
   std::getline(file, title);
   std::getline(file, key);
@@ -84,8 +86,8 @@ std::optional<DeviceRecord> readFile(const DeviceInfo& device) {
 
 /// Returns the state that the mark of a test shows, if there is one.
 std::optional<DeviceRecord> readMark(const DeviceInfo& device) {
-  const std::optional<fs::path> path = pathOf(device, ".running");
-  const int file = path ? open(path->c_str(), O_RDONLY | O_CLOEXEC) : -1;
+  const std::optional<fs::path> path = pathOf(device);
+  const int file = path ? open(path->c_str(), O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC) : -1;
   if (file < 0) return std::nullopt;
   std::optional<DeviceRecord> record = DeviceRecord{DeviceTestState::Running};
   if (flock(file, LOCK_SH | LOCK_NB) == 0) {
@@ -95,18 +97,19 @@ std::optional<DeviceRecord> readMark(const DeviceInfo& device) {
     if (bytes > 0) record = {DeviceTestState::Unfinished, std::string(check, static_cast<size_t>(bytes))};
     if (!hasName(file, *path)) record.reset();
   }
+  if (!isOwnFile(file)) record.reset();
   close(file);
   return record;
 }
 
-/// Locks a file at a path. Returns -1 if the file cannot be made, or if it is locked.
+/// Locks a file at a path. Returns -1 if the file cannot be made, is not this user's own, or is locked.
 int lockFile(const fs::path& path, bool& isLocked) {
   isLocked = false;
-  const int file = open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
+  const int file = open(path.c_str(), O_RDWR | O_CREAT | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC, 0666);
   if (file < 0) return -1;
   // Its owner may have removed it meanwhile.
-  if (flock(file, LOCK_EX | LOCK_NB) == 0 && hasName(file, path)) return file;
-  isLocked = true;
+  if (isOwnFile(file) && flock(file, LOCK_EX | LOCK_NB) == 0 && hasName(file, path)) return file;
+  isLocked = isOwnFile(file);
   close(file);
   return -1;
 }
@@ -142,10 +145,9 @@ void writeRecord(const DeviceInfo& device, const DeviceRecord& record) {
 }
 
 TestMark::TestMark(const DeviceInfo& device, double seconds) {
-  const std::optional<fs::path> path = pathOf(device, ".running");
+  const std::optional<fs::path> path = pathOf(device);
   if (!path) return;
-  std::error_code error;
-  fs::create_directories(path->parent_path(), error);
+  makeUserCache(path->parent_path());
   using Clock = std::chrono::steady_clock;
   const auto deadline = Clock::now() + std::chrono::duration<double>(seconds);
   for (bool isLocked = true; isLocked;) {

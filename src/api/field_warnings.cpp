@@ -2,6 +2,7 @@
 
 #include <raymap/diagnostics.h>
 
+#include <algorithm>
 #include <cmath>
 #include <string>
 
@@ -24,13 +25,31 @@ bool holds(const Grid& grid, const Box& box) {
 void warnOfMisfit(const Stats& stats, const WarningCallback& warn) {
   if (warn && !stats.orientationFits)
     warn({WarningCode::OrientationMisfit,
-          "no directions of the faces fit the crossings, misfit " + numberText(stats.misfit, 3) +
-              ", so signs may be wrong; find out what is wrong with the mesh, and mend it",
+          "the faces contradict each other, whichever way each of them points, so signs may be wrong; find "
+          "out "
+          "what is wrong with the mesh, and mend it",
           {.share = stats.misfit}});
 }
 
+void warnOfInvertedParts(const Stats& stats, const WarningCallback& warn) {
+  constexpr size_t kMostNamed = 8;
+  const std::vector<uint32_t>& parts = stats.invertedParts;
+  if (!warn || parts.empty()) return;
+  std::string names;
+  for (size_t p = 0; p < std::min(parts.size(), kMostNamed); ++p)
+    names += (p > 0 ? ", " : "") + std::to_string(parts[p]);
+  if (parts.size() > kMostNamed) names += ", ...";
+  const bool isOne = parts.size() == 1;
+  warn({WarningCode::PartsInsideOut,
+        std::to_string(parts.size()) + (isOne ? " part (with face " : " parts (with faces ") + names +
+            (isOne ? ") is inside out and crosses others, so the sign reverses it"
+                   : ") are inside out and cross others, so the sign reverses them") +
+            "; keep the faces' directions if that is meant",
+        {.count = parts.size()}});
+}
+
 void warnOfNothingInside(const PackedMesh& mesh, const Grid& grid, const MachineOptions& machine) {
-  if (!machine.warn || !holds(grid, bounds(mesh))) return;
+  if (!machine.warn || !holds(grid, gridBounds(mesh))) return;
   const Diagnostics found = diagnose(mesh, {.brief = true}, {.threads = machine.threads});
   const double spacing = grid.spacing;
   const std::string begin = "no sample is inside, because ";

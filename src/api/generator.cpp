@@ -7,6 +7,7 @@
 #include "api/field_warnings.h"
 #include "base/memory.h"
 #include "base/parallel.h"
+#include "base/require.h"
 #include "base/stopwatch.h"
 #include "base/text.h"
 #include "cpu/run_on_cpu.h"
@@ -75,7 +76,7 @@ Stats Generator::generate(const MeshView& view, const Grid& grid, const FieldOpt
       return stats;
     }
     const FieldOptions options = asked.thickness > 0.0 ? withoutThickness(asked, grid) : asked;
-    const PackedMesh mesh = impl_->pack(view, machine.memoryLimit);
+    const PackedMesh mesh = notMoved(impl_).pack(view, machine.memoryLimit);
     const auto onGpu = [&](GpuDevice& gpu, size_t number) {
       Progress progress(machine.progress);
       withThreads(machine.threads, [&] {
@@ -83,14 +84,15 @@ Stats Generator::generate(const MeshView& view, const Grid& grid, const FieldOpt
       });
       stats.device = "vulkan:" + std::to_string(number);
     };
-    if (!impl_->device.run(machine, onGpu)) {
+    if (!notMoved(impl_).device.run(machine, onGpu)) {
       Progress progress(machine.progress);
-      stats = cpu::runOnCpu(impl_->cpuBackend, {mesh, grid, options, progress, field, machine},
-                            impl_->packer.bytes());
+      stats = cpu::runOnCpu(notMoved(impl_).cpuBackend, {mesh, grid, options, progress, field, machine},
+                            notMoved(impl_).packer.bytes());
     }
     if (asked.thickness > 0.0) thicken(asked, machine.threads, field);
     field.surfaceBounds = surfaceBounds(mesh, grid, asked, stats);
     warnOfMisfit(stats, machine.warn);
+    warnOfInvertedParts(stats, machine.warn);
     if (asked.sign != SignMode::None && asked.thickness == 0.0 && !hasInside(field, asked))
       warnOfNothingInside(mesh, field.grid, machine);
   } catch (...) {

@@ -100,14 +100,37 @@ struct Names<MeshKind> {
                                       MeshKind::OpenSolid,
                                       MeshKind::TurnedFaces,
                                       MeshKind::OverlappingSolids,
+                                      MeshKind::TouchingSolids,
+                                      MeshKind::MisnestedSolids,
                                       MeshKind::CrossingSolid,
                                       MeshKind::FlawedSolid,
                                       MeshKind::InsideOut,
                                       MeshKind::SeveralSolids,
                                       MeshKind::CleanSolid};
-  static constexpr std::array<std::string_view, 12> kNames{
-      "no_surface",         "double_sided",   "soup",         "sheet",      "open_solid",     "turned_faces",
-      "overlapping_solids", "crossing_solid", "flawed_solid", "inside_out", "several_solids", "clean_solid"};
+  static constexpr std::array<std::string_view, 14> kNames{"no_surface",
+                                                           "double_sided",
+                                                           "soup",
+                                                           "sheet",
+                                                           "open_solid",
+                                                           "turned_faces",
+                                                           "overlapping_solids",
+                                                           "touching_solids",
+                                                           "misnested_solids",
+                                                           "crossing_solid",
+                                                           "flawed_solid",
+                                                           "inside_out",
+                                                           "several_solids",
+                                                           "clean_solid"};
+};
+
+template <>
+struct Names<Arrangement> {
+  static constexpr std::string_view kKind = "arrangement";
+  static constexpr std::array kValues{Arrangement::Unknown,  Arrangement::Separate,
+                                      Arrangement::Nested,   Arrangement::Misnested,
+                                      Arrangement::Touching, Arrangement::Overlapping};
+  static constexpr std::array<std::string_view, 6> kNames{"unknown",   "separate", "nested",
+                                                          "misnested", "touching", "overlapping"};
 };
 
 template <>
@@ -120,18 +143,36 @@ struct Names<Remedy> {
 template <>
 struct Names<WarningCode> {
   static constexpr std::string_view kKind = "warning code";
-  static constexpr std::array kValues{
-      WarningCode::FileContent,     WarningCode::Rounding,          WarningCode::DeviceRefused,
-      WarningCode::DeviceFailed,    WarningCode::OrientationMisfit, WarningCode::BoxReached,
-      WarningCode::SolidLost,       WarningCode::SurfaceLost,       WarningCode::PartsDropped,
-      WarningCode::PartsKept,       WarningCode::PartsBuried,       WarningCode::CavitiesFilled,
-      WarningCode::HollowsFilled,   WarningCode::NoHollow,          WarningCode::DrainHolesMissing,
-      WarningCode::TrianglesMissed, WarningCode::NothingInside,     WarningCode::PartFile};
-  static constexpr std::array<std::string_view, 18> kNames{
-      "file_content",     "rounding",        "device_refused", "device_failed", "orientation_misfit",
-      "box_reached",      "solid_lost",      "surface_lost",   "parts_dropped", "parts_kept",
-      "parts_buried",     "cavities_filled", "hollows_filled", "no_hollow",     "drain_holes_missing",
-      "triangles_missed", "nothing_inside",  "part_file"};
+  static constexpr std::array kValues{WarningCode::FileContent,
+                                      WarningCode::Rounding,
+                                      WarningCode::DeviceRefused,
+                                      WarningCode::DeviceFailed,
+                                      WarningCode::OrientationMisfit,
+                                      WarningCode::PartsInsideOut,
+                                      WarningCode::BoxReached,
+                                      WarningCode::SolidLost,
+                                      WarningCode::SurfaceLost,
+                                      WarningCode::PartsDropped,
+                                      WarningCode::PartsKept,
+                                      WarningCode::PartsBuried,
+                                      WarningCode::CavitiesFilled,
+                                      WarningCode::HollowsFilled,
+                                      WarningCode::NoHollow,
+                                      WarningCode::DrainHolesMissing,
+                                      WarningCode::TrianglesMissed,
+                                      WarningCode::NothingInside,
+                                      WarningCode::Sheet,
+                                      WarningCode::BoundsLeft,
+                                      WarningCode::PartsThickened,
+                                      WarningCode::LooseBodies,
+                                      WarningCode::FarVertices,
+                                      WarningCode::PartFile};
+  static constexpr std::array<std::string_view, 24> kNames{
+      "file_content",        "rounding",         "device_refused",  "device_failed",  "orientation_misfit",
+      "parts_inside_out",    "box_reached",      "solid_lost",      "surface_lost",   "parts_dropped",
+      "parts_kept",          "parts_buried",     "cavities_filled", "hollows_filled", "no_hollow",
+      "drain_holes_missing", "triangles_missed", "nothing_inside",  "sheet",          "bounds_left",
+      "parts_thickened",     "loose_bodies",     "far_vertices",    "part_file"};
 };
 
 template <class Enum>
@@ -179,6 +220,7 @@ RAYMAP_DEFINE_NAMES(DeviceType)
 RAYMAP_DEFINE_NAMES(DeviceTestState)
 RAYMAP_DEFINE_NAMES(ErrorCode)
 RAYMAP_DEFINE_NAMES(MeshKind)
+RAYMAP_DEFINE_NAMES(Arrangement)
 RAYMAP_DEFINE_NAMES(Remedy)
 RAYMAP_DEFINE_NAMES(Part)
 RAYMAP_DEFINE_NAMES(WarningCode)

@@ -11,6 +11,7 @@
 #include "base/parallel.h"
 #include "base/progress.h"
 #include "base/require.h"
+#include "base/text.h"
 #include "cpu/points/point_cells.h"
 #include "field/field_sampler.h"
 #include "method/points_view.h"
@@ -113,7 +114,11 @@ struct BodyAnswers {
 
 void ask(const SurfaceShape& shape, const Buffer<glm::dvec3>& points, const SceneOptions& options,
          BodyAnswers& answers) {
-  shape.surface->query(points, {.closest = options.closest, .direction = options.gradient}, answers.surface);
+  const QueryOptions asked{.closest = options.closest,
+                           .triangle = options.triangle,
+                           .direction = options.gradient,
+                           .maxDistance = options.maxDistance};
+  shape.surface->query(points, asked, answers.surface);
 }
 
 template <class AnyField>
@@ -126,12 +131,14 @@ void ask(const FieldShape<AnyField>& shape, const Buffer<glm::dvec3>& points, co
 struct Answer {
   double distance;
   glm::dvec3 closest{0.0}, gradient{0.0};  ///< If they are asked for.
+  uint32_t triangle = kNoTriangle;
 };
 
 Answer answerAt(const SurfaceShape&, const BodyAnswers& answers, size_t i, const glm::dmat4& pose,
                 const glm::dvec3&, const SceneOptions& options) {
   const QueryResult& found = answers.surface;
   Answer answer{.distance = found.distance[i]};
+  if (options.triangle) answer.triangle = found.triangle[i];
   if (options.closest) answer.closest = moved(pose, found.closest[i]);
   // Subtracting from 0 makes no negative zeros.
   if (options.gradient)
@@ -142,9 +149,13 @@ Answer answerAt(const SurfaceShape&, const BodyAnswers& answers, size_t i, const
 
 template <class AnyField>
 Answer answerAt(const FieldShape<AnyField>&, const BodyAnswers& answers, size_t i, const glm::dmat4& pose,
-                const glm::dvec3& point, const SceneOptions&) {
+                const glm::dvec3& point, const SceneOptions& options) {
   const Samples& found = answers.field;
   Answer answer{.distance = found.distance[i]};
+  if (std::abs(answer.distance) > options.maxDistance)
+    return {.distance = std::copysign(options.maxDistance, answer.distance),
+            .closest = glm::dvec3(kNaN),
+            .gradient = glm::dvec3(kNaN)};
   if (found.gradient.empty()) return answer;
   answer.gradient = turned(pose, glm::dvec3(found.gradient[i]));
   answer.closest = point - answer.distance * (answer.gradient / glm::length(answer.gradient));
@@ -166,11 +177,14 @@ class SceneQuery {
                               ? points.count / std::max(configurations.count, size_t{1})
                               : points.count),
         total_(perConfiguration_ * configurations.count) {
+    for (uint32_t b = 0; b < bodies.size(); ++b)
+      if (std::ranges::find(options.without, b) == options.without.end()) asked_.push_back(b);
     result.distance.resizeUninitialized(options.distance ? total_ : 0);
     result.body.resizeUninitialized(options.body ? total_ : 0);
     result.closest.resizeUninitialized(options.closest ? total_ : 0);
     result.gradient.resizeUninitialized(options.gradient ? total_ : 0);
     result.distances.resizeUninitialized(options.distances ? total_ * bodies.size() : 0);
+    result.triangle.resizeUninitialized(options.triangle ? total_ : 0);
   }
 
   void answer(Progress& progress) {
@@ -195,8 +209,9 @@ class SceneQuery {
       for (size_t k = begin; k < end; ++k) {
         const size_t i = begin_ + k;
         world_[k] = pointAt(points_, configurations_.hasOwnPoints ? i : i % perConfiguration_);
-        least_[k] = cpu::isFinite(world_[k]) ? INFINITY : kNaN;
+        least_[k] = cpu::isFinite(world_[k]) ? options_.maxDistance : kNaN;
         nearest_[k] = kNoBody;
+        if (options_.triangle) result_.triangle[i] = kNoTriangle;
         if (options_.closest) result_.closest[i] = glm::dvec3(kNaN);
         if (options_.gradient) result_.gradient[i] = glm::dvec3(kNaN);
         for (size_t b = 0; options_.distances && b < bodies_.size(); ++b)
@@ -207,7 +222,7 @@ class SceneQuery {
 
   void answerLoaded(Progress& progress) {
     if (options_.distances) {
-      for (uint32_t b = 0; b < bodies_.size(); ++b) {
+      for (const uint32_t b : asked_) {
         visit(b, [&](size_t k) { return cpu::isFinite(world_[k]); });
         progress.report(double(b + 1) / double(bodies_.size()));
       }
@@ -227,7 +242,7 @@ class SceneQuery {
   void visitPromising(Progress& progress) {
     findFirst();
     for (const bool isFirst : {true, false})
-      for (uint32_t b = 0; b < bodies_.size(); ++b) {
+      for (const uint32_t b : asked_) {
         visit(b, [&](size_t k) { return (first_[k] == b) == isFirst && lowerBound(k, b) <= least_[k]; });
         progress.report((double(b + 1) / double(bodies_.size()) + (isFirst ? 0.0 : 1.0)) / 2.0);
       }
@@ -244,7 +259,7 @@ class SceneQuery {
       for (size_t k = begin; k < end; ++k) {
         first_[k] = kNoBody;
         double least = INFINITY;
-        for (uint32_t b = 0; b < bodies_.size(); ++b) {
+        for (const uint32_t b : asked_) {
           const double bound = lowerBound(k, b);
           if (bound < least) least = bound, first_[k] = b;
         }
@@ -279,10 +294,12 @@ class SceneQuery {
     const size_t i = begin_ + k;
     if (options_.distances) result_.distances[i * bodies_.size() + b] = answer.distance;
     const bool isKnown = !std::isnan(answer.distance),
-               isNearer = answer.distance < least_[k] || (answer.distance == least_[k] && b < nearest_[k]);
-    if (std::isnan(least_[k]) || (isKnown && !isNearer)) return;
+               isNearer = answer.distance < least_[k] || (answer.distance == least_[k] && b < nearest_[k]),
+               isFar = std::isfinite(answer.distance) && answer.distance == options_.maxDistance;
+    if (std::isnan(least_[k]) || (isKnown && (!isNearer || isFar))) return;
     least_[k] = answer.distance;
     nearest_[k] = isKnown ? b : kNoBody;
+    if (options_.triangle) result_.triangle[i] = isKnown ? answer.triangle : kNoTriangle;
     if (options_.closest) result_.closest[i] = isKnown ? answer.closest : glm::dvec3(kNaN);
     if (options_.gradient) result_.gradient[i] = isKnown ? answer.gradient : glm::dvec3(kNaN);
   }
@@ -293,6 +310,7 @@ class SceneQuery {
   const SceneOptions& options_;
   SceneResult& result_;
   size_t perConfiguration_, total_;
+  std::vector<uint32_t> asked_;  // Bodies that are not left out.
 
   // State of the points that are answered together. The first of them has number `begin_`.
   size_t begin_ = 0;
@@ -369,71 +387,76 @@ Scene& Scene::operator=(Scene&&) noexcept = default;
 void Scene::add(std::string name, std::shared_ptr<const Surface> surface, const glm::dmat4& pose) {
   require(surface != nullptr, "body '" + name + "' has no surface");
   const double reach = surface->insideReach();
-  impl_->add(std::move(name), SurfaceShape(std::move(surface), reach), pose);
+  notMoved(impl_).add(std::move(name), SurfaceShape(std::move(surface), reach), pose);
 }
 
 void Scene::add(std::string name, std::shared_ptr<const Field> field, const glm::dmat4& pose) {
-  impl_->addField(std::move(name), std::move(field), pose);
+  notMoved(impl_).addField(std::move(name), std::move(field), pose);
 }
 
 void Scene::add(std::string name, std::shared_ptr<const SparseField> field, const glm::dmat4& pose) {
-  impl_->addField(std::move(name), std::move(field), pose);
+  notMoved(impl_).addField(std::move(name), std::move(field), pose);
 }
 
 void Scene::remove(std::string_view name) {
-  const auto at = std::ptrdiff_t(impl_->find(name));
-  impl_->bodies.erase(impl_->bodies.begin() + at);
-  impl_->poses.erase(impl_->poses.begin() + at);
+  const auto at = std::ptrdiff_t(notMoved(impl_).find(name));
+  notMoved(impl_).bodies.erase(notMoved(impl_).bodies.begin() + at);
+  notMoved(impl_).poses.erase(notMoved(impl_).poses.begin() + at);
 }
 
 void Scene::setPose(std::string_view name, const glm::dmat4& pose) {
-  const size_t body = impl_->find(name);
-  checkRigid(pose, [&] { return poseName(impl_->bodies[body].name); });
-  impl_->poses[body] = pose;
+  const size_t body = notMoved(impl_).find(name);
+  checkRigid(pose, [&] { return poseName(notMoved(impl_).bodies[body].name); });
+  notMoved(impl_).poses[body] = pose;
 }
 
 void Scene::setPoses(std::span<const glm::dmat4> poses) {
   require(poses.size() == size(),
           std::to_string(poses.size()) + " poses are given for " + std::to_string(size()) + " bodies");
   for (size_t b = 0; b < poses.size(); ++b)
-    checkRigid(poses[b], [&] { return poseName(impl_->bodies[b].name); });
-  impl_->poses.assign(poses.begin(), poses.end());
+    checkRigid(poses[b], [&] { return poseName(notMoved(impl_).bodies[b].name); });
+  notMoved(impl_).poses.assign(poses.begin(), poses.end());
 }
 
 size_t Scene::size() const {
-  return impl_->bodies.size();
+  return notMoved(impl_).bodies.size();
 }
 
 uint32_t Scene::number(std::string_view name) const {
-  return uint32_t(impl_->find(name));
+  return uint32_t(notMoved(impl_).find(name));
 }
 
 std::vector<std::string> Scene::names() const {
   std::vector<std::string> names;
-  for (const Body& body : impl_->bodies) names.push_back(body.name);
+  for (const Body& body : notMoved(impl_).bodies) names.push_back(body.name);
   return names;
 }
 
 std::vector<glm::dmat4> Scene::poses() const {
-  return impl_->poses;
+  return notMoved(impl_).poses;
 }
 
 SceneResult Scene::query(const PointsView& points, const SceneOptions& options,
                          const MachineOptions& machine) const {
-  return query(points, {.poses = impl_->poses, .count = 1}, options, machine);
+  return query(points, {.poses = notMoved(impl_).poses, .count = 1}, options, machine);
 }
 
 SceneResult Scene::query(const PointsView& points, const Configurations& configurations,
                          const SceneOptions& options, const MachineOptions& machine) const {
   const size_t count = configurations.count;
-  impl_->check(configurations);
+  notMoved(impl_).check(configurations);
+  require(options.maxDistance > 0.0,
+          "the largest distance of a query must be above 0, not " + numberText(options.maxDistance));
+  for (const uint32_t body : options.without)
+    require(body < size(), "body " + std::to_string(body) + " is to be left out, but the scene has " +
+                               std::to_string(size()));
   require(!configurations.hasOwnPoints || (count > 0 ? points.count % count == 0 : points.count == 0),
           std::to_string(points.count) + " points are not as many in each of " + std::to_string(count) +
               " configurations");
   SceneResult result;
   Progress progress(machine.progress);
   withThreads(machine.threads, [&] {
-    SceneQuery query(impl_->bodies, points, configurations, options, result);
+    SceneQuery query(notMoved(impl_).bodies, points, configurations, options, result);
     progress.stage("query", [&] { query.answer(progress); });
   });
   return result;

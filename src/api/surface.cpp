@@ -15,6 +15,7 @@
 #include "cpu/points/narrow_band.h"
 #include "cpu/points/point_query.h"
 #include "cpu/points/region.h"
+#include "field/field_sampler.h"
 #include "mesh/triangle.h"
 
 namespace raymap {
@@ -42,13 +43,10 @@ void check(const QueryOptions& options, bool isSigned) {
 
 void checkLattice(const Grid& grid) {
   constexpr int kMostDims = 1 << 24;
-  require(grid.spacing > 0.0 && std::isfinite(grid.spacing),
-          "the grid's spacing must be positive and finite");
-  for (int axis = 0; axis < 3; ++axis) {
+  for (int axis = 0; axis < 3; ++axis)
     require(grid.dims[axis] > 0 && grid.dims[axis] <= kMostDims,
             "a lattice has 1 to 16777216 samples along each axis, not " + std::to_string(grid.dims[axis]));
-    require(std::isfinite(grid.origin[axis]), "the grid's origin must be finite");
-  }
+  validateGrid(grid);
 }
 
 void check(const Grid& grid, const BandOptions& options, bool isSigned) {
@@ -111,6 +109,7 @@ struct Surface::Impl {
     });
     stats.milliseconds = stopwatch.milliseconds();
     stats.bytes = std::max(stats.bytes, bytes());
+    warnOfInvertedParts(stats, machine.warn);
   }
 
   size_t bytes() const { return meshBytes() + prepared.bytes(); }
@@ -125,12 +124,12 @@ struct Surface::Impl {
 
 Surface::Surface(const MeshView& view, const SurfaceOptions& options, const MachineOptions& machine)
     : impl_(std::make_unique<Impl>()) {
-  impl_->prepare(options, machine, [&] { return copyOf(view, machine.memoryLimit); });
+  notMoved(impl_).prepare(options, machine, [&] { return copyOf(view, machine.memoryLimit); });
 }
 
 Surface::Surface(Mesh&& mesh, const SurfaceOptions& options, const MachineOptions& machine)
     : impl_(std::make_unique<Impl>()) {
-  impl_->prepare(options, machine, [&] { return std::move(mesh); });
+  notMoved(impl_).prepare(options, machine, [&] { return std::move(mesh); });
 }
 
 Surface::~Surface() = default;
@@ -139,10 +138,11 @@ Surface& Surface::operator=(Surface&&) noexcept = default;
 
 void Surface::query(const PointsView& points, const QueryOptions& options, QueryResult& result,
                     const MachineOptions& machine) const {
-  check(options, impl_->prepared.isSigned);
+  check(options, notMoved(impl_).prepared.isSigned);
   Progress progress(machine.progress);
   withThreads(machine.threads, [&] {
-    progress.stage("query", [&] { cpu::queryPoints(impl_->prepared, points, options, progress, result); });
+    progress.stage("query",
+                   [&] { cpu::queryPoints(notMoved(impl_).prepared, points, options, progress, result); });
   });
 }
 
@@ -155,12 +155,12 @@ QueryResult Surface::query(const PointsView& points, const QueryOptions& options
 
 std::vector<Thickness> Surface::thickness(std::span<const FacePoint> points, const ThicknessOptions& options,
                                           const MachineOptions& machine) const {
-  check(options, points, impl_->mesh.triangles.size(), impl_->prepared.isSigned);
+  check(options, points, notMoved(impl_).mesh.triangles.size(), notMoved(impl_).prepared.isSigned);
   Progress progress(machine.progress);
   std::vector<Thickness> thickness(points.size());
   withThreads(machine.threads, [&] {
     progress.stage("thickness", [&] {
-      cpu::measureThickness(impl_->prepared, points, options.maxThickness, progress, thickness);
+      cpu::measureThickness(notMoved(impl_).prepared, points, options.maxThickness, progress, thickness);
     });
   });
   return thickness;
@@ -168,38 +168,41 @@ std::vector<Thickness> Surface::thickness(std::span<const FacePoint> points, con
 
 SparseField Surface::generateBand(const Grid& grid, const BandOptions& options,
                                   const MachineOptions& machine) const {
-  check(grid, options, impl_->prepared.isSigned);
+  check(grid, options, notMoved(impl_).prepared.isSigned);
   Progress progress(machine.progress);
   SparseField band;
   withThreads(machine.threads, [&] {
-    band = cpu::makeNarrowBand(impl_->prepared, grid, options, impl_->most(machine), progress);
+    band =
+        cpu::makeNarrowBand(notMoved(impl_).prepared, grid, options, notMoved(impl_).most(machine), progress);
   });
-  band.surfaceBounds = impl_->prepared.bounds;
+  band.surfaceBounds = notMoved(impl_).prepared.bounds;
   warnOfMisfit(stats(), machine.warn);
   const bool hasInside =
       !band.tiles.empty() || std::ranges::any_of(band.distance, [](float d) { return d < 0.0f; });
-  if (isSigned() && !hasInside) warnOfNothingInside(impl_->prepared.mesh, grid, machine);
+  if (isSigned() && !hasInside) warnOfNothingInside(notMoved(impl_).prepared.mesh, grid, machine);
   return band;
 }
 
 Field Surface::generateRegion(const Grid& lattice, const Region& region, const RegionOptions& options,
                               const MachineOptions& machine) const {
-  check(lattice, region, options, impl_->prepared.isSigned);
-  checkFieldMemory(regionBytes(region.size, options, machine), impl_->most(machine), " in one piece");
+  check(lattice, region, options, notMoved(impl_).prepared.isSigned);
+  checkFieldMemory(regionBytes(region.size, options, machine), notMoved(impl_).most(machine),
+                   " in one piece");
   Progress progress(machine.progress);
   Field field;
   withThreads(machine.threads,
-              [&] { field = cpu::makeRegion(impl_->prepared, lattice, region, options, progress); });
+              [&] { field = cpu::makeRegion(notMoved(impl_).prepared, lattice, region, options, progress); });
   warnOfMisfit(stats(), machine.warn);
   return field;
 }
 
 std::optional<double> Surface::farDistance(const Grid& lattice, const Region& region,
                                            const RegionOptions& options) const {
-  check(lattice, region, options, impl_->prepared.isSigned);
+  check(lattice, region, options, notMoved(impl_).prepared.isSigned);
   std::optional<double> found;
   if (options.band > 0.0)
-    withThreads(1, [&] { found = cpu::farDistance(impl_->prepared, lattice, region, options.band); });
+    withThreads(1,
+                [&] { found = cpu::farDistance(notMoved(impl_).prepared, lattice, region, options.band); });
   return found;
 }
 
@@ -215,21 +218,22 @@ size_t Surface::regionBytes(const glm::ivec3& size, const RegionOptions& options
 
 Generated Surface::generate(const Grid& grid, const FieldOptions& asked,
                             const MachineOptions& machine) const {
-  if (!impl_->prepared.isSigned) return raymap::generate(mesh(), grid, asked, machine);
+  if (!notMoved(impl_).prepared.isSigned) return raymap::generate(mesh(), grid, asked, machine);
   FieldOptions options = asked;
   options.orientation = Orientation::Keep;
-  Generated result = raymap::generate(impl_->prepared.turnedMesh(), grid, options, machine);
+  Generated result = raymap::generate(notMoved(impl_).prepared.turnedMesh(), grid, options, machine);
   result.stats.turnedFaces = stats().turnedFaces;
   result.stats.leftOutFaces = stats().leftOutFaces;
+  result.stats.invertedParts = stats().invertedParts;
   return result;
 }
 
 bool Surface::isSigned() const {
-  return impl_->prepared.isSigned;
+  return notMoved(impl_).prepared.isSigned;
 }
 
 double Surface::insideReach() const {
-  const cpu::PreparedSurface& prepared = impl_->prepared;
+  const cpu::PreparedSurface& prepared = notMoved(impl_).prepared;
   if (!prepared.isSigned || prepared.lattice.isWhole()) return 0.0;
   const PackedMesh& mesh = prepared.mesh;
   double area = 0.0;
@@ -243,15 +247,15 @@ double Surface::insideReach() const {
 }
 
 MeshView Surface::mesh() const {
-  return impl_->prepared.mesh;
+  return notMoved(impl_).prepared.mesh;
 }
 
 size_t Surface::bytes() const {
-  return impl_->bytes();
+  return notMoved(impl_).bytes();
 }
 
 const Stats& Surface::stats() const {
-  return impl_->stats;
+  return notMoved(impl_).stats;
 }
 
 bool isCompactBetter(const Grid& grid, size_t triangles) {

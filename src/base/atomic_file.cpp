@@ -123,7 +123,8 @@ void replace(const fs::path& target, const fs::path& path, const std::function<v
 
   TemporaryFile file(target, path);
   writeThrough(file.descriptor(), path, true, write);
-  if (replaces && fchmod(file.descriptor(), existing.st_mode & 07777) != 0) throwWriteError(path, errno);
+  if (replaces && fchmod(file.descriptor(), existing.st_mode & kPermissions) != 0)
+    throwWriteError(path, errno);
   if (fsync(file.descriptor()) != 0) throwWriteError(path, errno);
   file.publish();
 }

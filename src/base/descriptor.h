@@ -5,6 +5,10 @@
 
 namespace raymap {
 
+/// The bits of a file's mode that a file in its place gets. Those that lend the owner's rights to whoever
+/// runs it (setuid, setgid) are left out, for the new file may have another owner.
+inline constexpr unsigned kPermissions = 0777;
+
 /// Throws `Error(File)`: the path cannot be written, by an error of the system.
 [[noreturn]] void throwWriteError(const std::filesystem::path& path, int error);
 

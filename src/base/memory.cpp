@@ -1,31 +1,60 @@
 #include "base/memory.h"
 
 #include <raymap/error.h>
+#include <sys/resource.h>
 
 #include <algorithm>
 #include <cstdint>
 #include <fstream>
 #include <limits>
+#include <optional>
 #include <string>
+#include <string_view>
 
 namespace raymap {
 
 namespace {
 
-/// Returns the memory limit of the control group in bytes, or SIZE_MAX if there is none.
-size_t groupLimit() {
-  std::ifstream file("/sys/fs/cgroup/memory.max");
-  size_t bytes = 0;
-  return file >> bytes ? bytes : SIZE_MAX;
+/// Returns the bytes that a file of the kernel gives behind a key, in kilobytes there.
+std::optional<size_t> bytesOf(const char* path, std::string_view wanted) {
+  std::ifstream file(path);
+  for (std::string key; file >> key; file.ignore(std::numeric_limits<std::streamsize>::max(), '\n')) {
+    size_t kibibytes = 0;
+    if (key == wanted && file >> kibibytes) return kibibytes * 1024;
+  }
+  return {};
 }
 
 size_t systemAvailable() {
-  std::ifstream file("/proc/meminfo");
-  for (std::string key; file >> key; file.ignore(std::numeric_limits<std::streamsize>::max(), '\n')) {
-    size_t kibibytes = 0;
-    if (key == "MemAvailable:" && file >> kibibytes) return kibibytes * 1024;
-  }
-  return SIZE_MAX;
+  return bytesOf("/proc/meminfo", "MemAvailable:").value_or(SIZE_MAX);
+}
+
+/// Returns what a limit of this process leaves of what `key` counts.
+size_t leftOf(__rlimit_resource_t resource, std::string_view key) {
+  rlimit limit{};
+  if (getrlimit(resource, &limit) != 0 || limit.rlim_cur == RLIM_INFINITY) return SIZE_MAX;
+  const size_t held = bytesOf("/proc/self/status", key).value_or(0);
+  return limit.rlim_cur - std::min<size_t>(held, limit.rlim_cur);
+}
+
+/// Names that a version of control groups has for the limit, for the memory held, and for the part of it that
+/// the kernel frees first: pages of files.
+struct GroupFiles {
+  const char *folder, *limit, *held, *statistics, *files;
+};
+constexpr GroupFiles kFirstVersion{"memory", "memory.limit_in_bytes", "memory.usage_in_bytes", "memory.stat",
+                                   "total_inactive_file"};
+constexpr GroupFiles kSecondVersion{"", "memory.max", "memory.current", "memory.stat", "inactive_file"};
+
+/// Returns what is left in one group, or SIZE_MAX if it has no limit.
+size_t leftIn(const std::filesystem::path& group, const GroupFiles& files) {
+  size_t limit = 0, held = 0, ofFiles = 0;
+  if (!(std::ifstream(group / files.limit) >> limit)) return SIZE_MAX;
+  std::ifstream(group / files.held) >> held;
+  std::ifstream statistics(group / files.statistics);
+  for (std::string key; statistics >> key >> ofFiles && key != files.files;) ofFiles = 0;
+  held -= std::min(held, ofFiles);
+  return limit - std::min(limit, held);
 }
 
 std::string sizeText(uint64_t bytes, bool isRoundedUp) {
@@ -38,8 +67,30 @@ std::string sizeText(uint64_t bytes, bool isRoundedUp) {
 
 }  // namespace
 
+size_t memoryLeftInGroups(const std::filesystem::path& ofProcess, const std::filesystem::path& root) {
+  std::ifstream file(ofProcess);
+  size_t left = SIZE_MAX;
+  for (std::string line; std::getline(file, line);) {
+    const size_t first = line.find(':'), second = line.find(':', first + 1);
+    if (second == std::string::npos) continue;
+    const std::string controllers = line.substr(first + 1, second - first - 1);
+    const bool isSecondVersion = controllers.empty();
+    if (!isSecondVersion && controllers != "memory") continue;
+    const GroupFiles files = isSecondVersion ? kSecondVersion : kFirstVersion;
+    const std::filesystem::path top = root / files.folder;
+    std::filesystem::path group = std::filesystem::path(line.substr(second + 1)).relative_path();
+    // The limits of all groups around this one hold, too.
+    for (;; group = group.parent_path()) {
+      left = std::min(left, leftIn(top / group, files));
+      if (group.empty()) break;
+    }
+  }
+  return left;
+}
+
 size_t availableMemory() {
-  return std::min(systemAvailable(), groupLimit());
+  return std::min({systemAvailable(), memoryLeftInGroups("/proc/self/cgroup", "/sys/fs/cgroup"),
+                   leftOf(RLIMIT_AS, "VmSize:"), leftOf(RLIMIT_DATA, "VmData:")});
 }
 
 std::string neededText(uint64_t bytes) {

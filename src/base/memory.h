@@ -2,13 +2,19 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <filesystem>
 #include <string>
 
 namespace raymap {
 
-/// Returns the number of bytes that this process can still get without swapping. This is the smaller of the
-/// system's available memory and the limit of the control group, or SIZE_MAX if neither is known.
+/// Returns the number of bytes that this process can still get without swapping. This is the least of the
+/// system's available memory and of what the control groups and the process's own limits leave, or SIZE_MAX
+/// if none is known.
 size_t availableMemory();
+
+/// Returns what the control groups of a process leave, of both versions and with all groups around them, or
+/// SIZE_MAX if none has a limit. `ofProcess` names the groups, as /proc/self/cgroup does.
+size_t memoryLeftInGroups(const std::filesystem::path& ofProcess, const std::filesystem::path& root);
 
 // Sizes for messages, such as "12 bytes", "40 KiB" or "13903 MiB".
 

@@ -104,6 +104,7 @@ void expectForks() {
 
 void parallelFor(size_t count, size_t grain, FunctionView<size_t, size_t> work) {
   if (count == 0) return;
+  if (count <= grain) return work(0, count);  // One part needs no threads.
   const auto visit = [&](size_t begin, size_t end) {
     const Limited limited;
     for (; begin < end; begin += grain) work(begin, std::min(begin + grain, end));

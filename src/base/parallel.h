@@ -50,6 +50,14 @@ void parallelWorkers(size_t count, Work&& work) {
   parallelFor(std::min(parallelThreads(), count), 1, [&](size_t, size_t) { work(next); });
 }
 
+/// Returns the elements of all parts of a loop, in order.
+template <class T>
+std::vector<T> joined(const std::vector<std::vector<T>>& parts) {
+  std::vector<T> all;
+  for (const std::vector<T>& part : parts) all.insert(all.end(), part.begin(), part.end());
+  return all;
+}
+
 /// Returns the numbers below `count` for which `isWanted(number)` holds, ascending. A thread tests `grain` of
 /// them at a time.
 template <class Predicate>
@@ -59,9 +67,7 @@ std::vector<uint32_t> parallelSelect(size_t count, Predicate&& isWanted, size_t 
     for (size_t k = part * grain; k < std::min((part + 1) * grain, count); ++k)
       if (isWanted(uint32_t(k))) parts[part].push_back(uint32_t(k));
   });
-  std::vector<uint32_t> selected;
-  for (const std::vector<uint32_t>& part : parts) selected.insert(selected.end(), part.begin(), part.end());
-  return selected;
+  return joined(parts);
 }
 
 /// Runs `work` with at most this many threads. Throws `Error(Usage)` if they are negative. 0 = those of the

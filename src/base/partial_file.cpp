@@ -90,7 +90,7 @@ void PartialFile::publish() {
   struct stat existing {};
   const bool replaces = stat(target_.c_str(), &existing) == 0;
   if (replaces && access(target_.c_str(), W_OK) != 0) throwWriteError(path_, errno);
-  if (replaces && fchmod(file_.get(), existing.st_mode & 07777) != 0) throwWriteError(path_, errno);
+  if (replaces && fchmod(file_.get(), existing.st_mode & kPermissions) != 0) throwWriteError(path_, errno);
   if (fsync(file_.get()) != 0) throwWriteError(part_, errno);
   if (rename(part_.c_str(), target_.c_str()) != 0) throwWriteError(path_, errno);
   isPublished_ = true;

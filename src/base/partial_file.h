@@ -13,7 +13,7 @@ namespace raymap {
 /// `PATH.part.done` holds the key of the work, the number of steps that are whole, and their bytes.
 class PartialFile {
  public:
-  /// What earlier runs left.
+  /// State that earlier runs left.
   enum class Left : uint8_t {
     Nothing,
     Start,      ///< The start of the file, which this run goes on with.

@@ -5,6 +5,7 @@
 #include <sys/mman.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <charconv>
 #include <fstream>
@@ -14,6 +15,7 @@
 #include <vector>
 
 #include "base/memory.h"
+#include "base/text.h"
 
 namespace raymap {
 
@@ -37,7 +39,7 @@ bool isStream(const fs::path& path) {
 struct Opened {
   explicit Opened(const fs::path& path) {
     const int named = namedDescriptor(path);  // A socket cannot be opened by its name in /dev.
-    value = named >= 0 ? fcntl(named, F_DUPFD_CLOEXEC, 0) : open(path.c_str(), O_RDONLY | O_CLOEXEC);
+    value = named >= 0 ? fcntl(named, F_DUPFD_CLOEXEC, 0) : ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
     if (value < 0) failRead(path, errno);
   }
   ~Opened() { close(value); }
@@ -81,23 +83,57 @@ int namedDescriptor(const fs::path& path) {
 
 SourceFile::SourceFile(fs::path path) : path_(std::move(path)), place_(path_) {
   if (!isStream(path_)) return;
-  copy_ = memfd_create("raymap", MFD_CLOEXEC);
-  if (copy_ < 0) failRead(path_, errno);
+  keep(memfd_create("raymap", MFD_CLOEXEC));
   try {
     copy();
   } catch (...) {
-    close(copy_);
+    close(descriptor_);
     throw;
   }
-  place_ = "/proc/" + std::to_string(getpid()) + "/fd/" + std::to_string(copy_);
+}
+
+SourceFile::SourceFile(fs::path path, std::span<const std::byte> bytes) : path_(std::move(path)) {
+  keep(memfd_create("raymap", MFD_CLOEXEC));
+  if (writeAll(descriptor_, reinterpret_cast<const char*>(bytes.data()), bytes.size())) return;
+  const int error = errno;
+  close(descriptor_);
+  failRead(path_, error);
+}
+
+SourceFile::SourceFile(const fs::path& folder, const fs::path& name, const fs::path& by)
+    : path_(folder / name) {
+  const auto fail = [&](const char* why) {
+    throw Error(ErrorCode::Input, by.string() + ": it refers to " + excerpt(name.string(), kLongestName) +
+                                      ", " + why +
+                                      "; only regular files in its own folder are read; copy it there");
+  };
+  if (name.is_absolute() || std::ranges::find(name, "..") != name.end()) fail("a file outside its folder");
+  keep(
+      ::open(path_.c_str(), O_PATH | O_CLOEXEC));  // Looks at it only: a pipe would wait, a device might act.
+  try {
+    std::error_code error;
+    const fs::path real = fs::read_symlink("/proc/self/fd/" + std::to_string(descriptor_), error);
+    const fs::path inside = fs::canonical(folder.empty() ? "." : folder, error);
+    if (error || std::ranges::mismatch(inside, real).in1 != inside.end()) fail("a link out of its folder");
+    if (!fs::is_regular_file(place_, error)) fail("which is not a regular file");
+  } catch (...) {
+    close(descriptor_);
+    throw;
+  }
+}
+
+void SourceFile::keep(int descriptor) {
+  descriptor_ = descriptor;
+  if (descriptor_ < 0) failRead(path_, errno);
+  place_ = "/proc/" + std::to_string(getpid()) + "/fd/" + std::to_string(descriptor_);
 }
 
 SourceFile::~SourceFile() {
-  if (copy_ >= 0) close(copy_);
+  if (descriptor_ >= 0) close(descriptor_);
 }
 
 fs::path SourceFile::folder() const {
-  return copy_ >= 0 ? fs::path() : path_.parent_path();
+  return descriptor_ >= 0 ? fs::path() : path_.parent_path();
 }
 
 std::string SourceFile::head(size_t bytes) const {
@@ -120,7 +156,7 @@ void SourceFile::copy() {
     if (total > mostFileBytes())
       throw Error(ErrorCode::Memory, path_.string() + ": more than " + limitText(mostFileBytes()) +
                                          " come through it, half of this machine's memory");
-    if (!writeAll(copy_, piece.data(), static_cast<size_t>(count))) failRead(path_, errno);
+    if (!writeAll(descriptor_, piece.data(), static_cast<size_t>(count))) failRead(path_, errno);
   }
 }
 

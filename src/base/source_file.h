@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <span>
 #include <string>
 
 namespace raymap {
@@ -13,6 +14,13 @@ class SourceFile {
   /// Throws `Error(File)` if a pipe cannot be read, `Error(Memory)` if it holds more than half of the
   /// machine's memory. Whether there is a file at the path shows when it is opened.
   explicit SourceFile(std::filesystem::path path);
+  /// Keeps bytes in memory as the content of a file that exists nowhere else; `path` is for messages.
+  SourceFile(std::filesystem::path path, std::span<const std::byte> bytes);
+  /// Opens a file that another file names, by its path relative to `folder`. Throws `Error(Input)` that
+  /// begins with `by`, the path of that other file, unless it lies in the folder or below it, also by way of
+  /// symbolic links, and unless it is a regular file. Throws `Error(File)` if there is none.
+  SourceFile(const std::filesystem::path& folder, const std::filesystem::path& name,
+             const std::filesystem::path& by);
   ~SourceFile();
   SourceFile(const SourceFile&) = delete;
   SourceFile& operator=(const SourceFile&) = delete;
@@ -27,10 +35,12 @@ class SourceFile {
   std::string head(size_t bytes) const;
 
  private:
+  /// Keeps an open descriptor, at whose place the file is read from now on.
+  void keep(int descriptor);
   void copy();
 
   std::filesystem::path path_, place_;
-  int copy_ = -1;  ///< Descriptor of the copy in memory.
+  int descriptor_ = -1;  ///< Descriptor of the copy in memory, or of a file that another one names.
 };
 
 /// Returns half of the machine's memory, the most bytes that a file may have to be read.

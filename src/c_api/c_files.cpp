@@ -4,6 +4,9 @@
 #include <raymap/io.h>
 #include <raymap/names.h>
 
+#include <utility>
+#include <vector>
+
 #include "c_api/c_handles.h"
 
 using namespace raymap;
@@ -14,8 +17,14 @@ using raymap::c::need;
 raymap_mesh* raymap_mesh_load(const char* path, const raymap_options* options) {
   return create([&] {
     const raymap_options& given = c::optionsOr(options);
-    return c::ownMesh(readMesh(&need(path, "the path"),
-                               {.warn = given.machine.warn, .allowEmpty = given.field.allowEmpty}));
+    std::vector<glm::dvec3> exact;
+    auto mesh = c::ownMesh(
+        readMesh(&need(path, "the path"),
+                 {.warn = given.machine.warn, .allowEmpty = given.field.allowEmpty, .exact = &exact}));
+    if (exact.empty()) return mesh;
+    mesh->exact = std::move(exact);
+    mesh->view = MeshView(mesh->exact, mesh->owned.triangles);
+    return mesh;
   });
 }
 

@@ -13,34 +13,19 @@ raymap_result fail() {
 
 }  // namespace
 
-raymap_mesh* raymap_mesh_load(const char*, const raymap_options*) {
-  fail();
-  return nullptr;
-}
+#define REFUSE(...) \
+  __VA_ARGS__ {     \
+    return fail();  \
+  }
+#define RETURN_NULL(...)    \
+  __VA_ARGS__ {             \
+    return fail(), nullptr; \
+  }
 
-raymap_result raymap_mesh_write(const raymap_mesh*, const char*, const raymap_options*) {
-  return fail();
-}
-
-raymap_field* raymap_field_load(const char*, const raymap_options*) {
-  fail();
-  return nullptr;
-}
-
-raymap_result raymap_field_write(const raymap_field*, const char*, const char*) {
-  return fail();
-}
-
-raymap_result raymap_sparse_field_write(const raymap_sparse_field*, const char*) {
-  return fail();
-}
-
-char* raymap_inspection_json(const raymap_inspection*) {
-  fail();
-  return nullptr;
-}
-
-char* raymap_repaired_json(const raymap_repaired*) {
-  fail();
-  return nullptr;
-}
+RETURN_NULL(raymap_mesh* raymap_mesh_load(const char*, const raymap_options*))
+REFUSE(raymap_result raymap_mesh_write(const raymap_mesh*, const char*, const raymap_options*))
+RETURN_NULL(raymap_field* raymap_field_load(const char*, const raymap_options*))
+REFUSE(raymap_result raymap_field_write(const raymap_field*, const char*, const char*))
+REFUSE(raymap_result raymap_sparse_field_write(const raymap_sparse_field*, const char*))
+RETURN_NULL(char* raymap_inspection_json(const raymap_inspection*))
+RETURN_NULL(char* raymap_repaired_json(const raymap_repaired*))

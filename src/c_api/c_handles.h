@@ -19,6 +19,7 @@
 #include <new>
 #include <string>
 #include <utility>
+#include <vector>
 
 struct raymap_options {
   raymap::FieldOptions field;
@@ -27,8 +28,9 @@ struct raymap_options {
 };
 
 struct raymap_mesh {
-  raymap::Mesh owned;     ///< Empty if the caller's arrays are viewed.
-  raymap::MeshView view;  ///< View of `owned` or of the caller's arrays.
+  raymap::Mesh owned;             ///< Empty if the caller's arrays are viewed.
+  std::vector<glm::dvec3> exact;  ///< Positions of a file that `owned` would round.
+  raymap::MeshView view;  ///< View of `owned`, with `exact` if that has any, or of the caller's arrays.
 };
 
 struct raymap_field {
@@ -207,7 +209,8 @@ inline raymap_stats toC(const Stats& stats) {
           .misfit_given = stats.misfitGiven,
           .misfit = stats.misfit,
           .patch_triangles = stats.patchTriangles,
-          .patch_area = stats.patchArea};
+          .patch_area = stats.patchArea,
+          .inverted_parts = stats.invertedParts.size()};
 }
 
 /// Makes a handle own a mesh.

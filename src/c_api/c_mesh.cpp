@@ -36,7 +36,7 @@ MeshView viewOf(const raymap_mesh_arrays& arrays) {
 
 GridOptions raymap::c::gridOptions(const raymap_grid_options* options) {
   const raymap_grid_options given = read(options);
-  GridOptions wanted{.voxelSize = given.voxel_size, .thickness = given.thickness};
+  GridOptions wanted{.voxelSize = given.voxel_size, .thickness = given.thickness, .align = given.align};
   if (given.resolution != 0) wanted.resolution = given.resolution;
   if (const glm::ivec3 dims(given.dims[0], given.dims[1], given.dims[2]); dims != glm::ivec3(0))
     wanted.dims = dims;

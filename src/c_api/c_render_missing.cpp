@@ -11,59 +11,36 @@ raymap_result refusePictures() {
                          "raymap was built without pictures; build it with RAYMAP_RENDER=ON");
 }
 
-raymap_picture* refusedPicture() {
-  refusePictures();
-  return nullptr;
-}
-
 }  // namespace
 
-raymap_picture* raymap_render_field(const raymap_field*, const raymap_view*, const raymap_options*) {
-  return refusedPicture();
-}
+#define REFUSE(...)           \
+  raymap_result __VA_ARGS__ { \
+    return refusePictures();  \
+  }
+#define RETURN_NULL(...)              \
+  raymap_picture* __VA_ARGS__ {       \
+    return refusePictures(), nullptr; \
+  }
 
-raymap_picture* raymap_render_sparse_field(const raymap_sparse_field*, const raymap_view*,
-                                           const raymap_options*) {
-  return refusedPicture();
-}
+RETURN_NULL(raymap_render_field(const raymap_field*, const raymap_view*, const raymap_options*))
+RETURN_NULL(raymap_render_sparse_field(const raymap_sparse_field*, const raymap_view*, const raymap_options*))
+RETURN_NULL(raymap_render_defects(const raymap_mesh*, const raymap_view*, const raymap_options*))
+RETURN_NULL(raymap_render_slice(const raymap_field*, int32_t, int32_t, int32_t, const char*))
+RETURN_NULL(raymap_render_sparse_slice(const raymap_sparse_field*, int32_t, int32_t, int32_t, const char*))
+REFUSE(raymap_picture_write_png(const raymap_picture*, const char*))
+REFUSE(raymap_write_page(const raymap_field*, const char*, const raymap_view*, const raymap_page_options*,
+                         const raymap_options*))
+REFUSE(raymap_write_sparse_page(const raymap_sparse_field*, const char*, const raymap_view*,
+                                const raymap_page_options*, const raymap_options*))
 
-raymap_picture* raymap_render_defects(const raymap_mesh*, const raymap_view*, const raymap_options*) {
-  return refusedPicture();
-}
-
-raymap_picture* raymap_render_slice(const raymap_field*, int32_t, int32_t, int32_t, const char*) {
-  return refusedPicture();
-}
-
-raymap_picture* raymap_render_sparse_slice(const raymap_sparse_field*, int32_t, int32_t, int32_t,
-                                           const char*) {
-  return refusedPicture();
-}
-
+// There is no picture to ask.
 void raymap_picture_free(raymap_picture*) {}
-
 int32_t raymap_picture_width(const raymap_picture*) {
   return 0;
 }
-
 int32_t raymap_picture_height(const raymap_picture*) {
   return 0;
 }
-
 const uint8_t* raymap_picture_rgb(const raymap_picture*) {
   return nullptr;
-}
-
-raymap_result raymap_picture_write_png(const raymap_picture*, const char*) {
-  return refusePictures();
-}
-
-raymap_result raymap_write_page(const raymap_field*, const char*, const raymap_view*,
-                                const raymap_page_options*, const raymap_options*) {
-  return refusePictures();
-}
-
-raymap_result raymap_write_sparse_page(const raymap_sparse_field*, const char*, const raymap_view*,
-                                       const raymap_page_options*, const raymap_options*) {
-  return refusePictures();
 }

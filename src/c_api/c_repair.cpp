@@ -49,7 +49,9 @@ raymap_findings findingsOf(const raymap_inspection& inspection) {
                            .min = {},
                            .max = {},
                            .thinnest = verdict.thinnest.value_or(std::nan("")),
-                           .voxel_size = verdict.voxelSize.value_or(std::nan(""))};
+                           .voxel_size = verdict.voxelSize.value_or(std::nan("")),
+                           .arrangement = c::nameOf(verdict.arrangement),
+                           .coplanar_pairs = crossings.coplanarPairs};
   c::copyVector(found.bounds.min, findings.min);
   c::copyVector(found.bounds.max, findings.max);
   return findings;
@@ -68,6 +70,7 @@ RepairOptions repairOptions(const raymap_repair_options* options) {
   if (given.drain_holes != 0) wanted.drainHoles = given.drain_holes;
   if (given.has_drop_smaller) wanted.dropSmaller = given.drop_smaller;
   if (given.min_thickness != 0.0 || given.loses_thin_parts) wanted.minThickness = given.min_thickness;
+  if (given.has_base) wanted.base = given.base;
   if (given.has_tolerance) wanted.tolerance = given.tolerance;
   if (const glm::dvec3 down = c::vectorOf(given.down); down != glm::dvec3(0.0)) wanted.down = down;
   return wanted;

@@ -100,11 +100,15 @@ raymap_result raymap_scene_query(const raymap_scene* scene, const double* points
     need(arrays, "raymap_scene_arrays");
     const raymap_scene_arrays wanted = c::read(arrays);
     if (count > 0) need(points, "the array of points");
-    const SceneOptions how{.distance = wanted.distance != nullptr,
-                           .body = wanted.body != nullptr,
-                           .closest = wanted.closest != nullptr,
-                           .gradient = wanted.gradient != nullptr,
-                           .distances = wanted.distances != nullptr};
+    if (wanted.without_count > 0) need(wanted.without, "the array of bodies to leave out");
+    SceneOptions how{.distance = wanted.distance != nullptr,
+                     .body = wanted.body != nullptr,
+                     .closest = wanted.closest != nullptr,
+                     .gradient = wanted.gradient != nullptr,
+                     .distances = wanted.distances != nullptr,
+                     .triangle = wanted.triangle != nullptr,
+                     .without = {wanted.without, wanted.without_count}};
+    if (wanted.max_distance != 0.0) how.maxDistance = wanted.max_distance;
     const PointsView view(points, count);
     const MachineOptions& machine = c::optionsOr(options).machine;
     SceneResult found;
@@ -119,5 +123,6 @@ raymap_result raymap_scene_query(const raymap_scene* scene, const double* points
     copyTo(wanted.closest, found.closest);
     copyTo(wanted.gradient, found.gradient);
     copyTo(wanted.distances, found.distances);
+    copyTo(wanted.triangle, found.triangle);
   });
 }

@@ -17,6 +17,7 @@
 #include "cpu/sign/crossings_lines.h"
 #include "cpu/sign/orientation.h"
 #include "cpu/sign/sign.h"
+#include "cpu/sign/winding_doubts.h"
 #include "cpu/sign/winding_rims_samples.h"
 #include "method/orientation_surface.h"
 #include "method/winding_dipoles_shared.h"
@@ -275,12 +276,18 @@ void Backend::windingDipoles() {
   if (doubtfulShare() == 0.0) return;
   if (!areRimsFound_) findRims(SignMode::Harmonic);
   const Buffer<float>& distance = job_->field.distance;
-  const bool haveRims = !rims_.rims.empty();
-  if (rims_.needDipoles())
-    windingDipoles_.settle([this]() -> const SurfaceTree& { return turnedSurfaceTree(); }, mesh_.dims,
-                           distance, options().threshold, {0, haveRims ? kLooks - 1 : kLooks}, progress(),
-                           windingBuffer());
-  if (haveRims) settleByRims(rayMap_, rims_, distance, options().threshold, progress(), windingBuffer());
+  const double threshold = options().threshold;
+  std::vector<uint32_t> doubts =
+      findDoubts(mesh_.dims, crossings_, windingBuffer(), distance, rims_.source(), threshold);
+  if (doubts.empty()) return;
+  if (rims_.looks > 0) {
+    const std::vector<uint32_t> unsure = windingDipoles_.settle(
+        turnedSurfaceTree(), mesh_.dims, doubts, threshold, {0, rims_.looks}, progress(), windingBuffer());
+    std::erase_if(doubts, [&](uint32_t s) {
+      return distance[s] > kOnSurface && !std::ranges::binary_search(unsure, s);
+    });
+  }
+  if (!rims_.rims.empty()) settleByRims(rayMap_, rims_, doubts, progress(), windingBuffer());
 }
 
 std::vector<MissingEdge> Backend::missingEdges() {

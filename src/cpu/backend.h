@@ -53,6 +53,7 @@ class Backend {
 
   FaceSides& faceSides() { return faceSides_; }
   DoubleSidedFaces doubleSidedFaces();
+  bool mayHaveInvertedParts() const { return raymap::mayHaveInvertedParts(mesh()); }
   void turnFaces(const Turns& turns);
   double misfit() const;
   bool contradictsParity();

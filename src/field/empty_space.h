@@ -26,7 +26,7 @@ class EmptySpace {
 
   int bits() const { return bits_; }                ///< A cube has 2^bits samples along its side.
   const glm::ivec3& dims() const { return dims_; }  ///< Number of cubes.
-  /// Of each cube, x fastest: number of cubes to the closest one with leaves or tiles, along the axis on
+  /// Number of cubes from each cube, x fastest, to the closest one with leaves or tiles, along the axis on
   /// which it is farthest. 0 for that one.
   const std::vector<uint8_t>& away() const { return away_; }
 

@@ -2,6 +2,8 @@
 
 #include <raymap/error.h>
 
+#include <cfloat>
+#include <cmath>
 #include <string>
 
 #include "base/require.h"
@@ -18,16 +20,30 @@ std::string valuesOf(FieldArray array) {
 
 }  // namespace
 
+std::string placeProblem(const Grid& grid) {
+  if (!(grid.spacing > 0.0) || !std::isfinite(grid.spacing))
+    return "the grid's spacing is " + numberText(grid.spacing) + "; it must be positive and finite";
+  if (!std::isnormal(grid.spacing))
+    return "the grid's spacing is " + numberText(grid.spacing) + ", too small for double precision";
+  const glm::dvec3 last = grid.position(grid.dims - 1);
+  for (int axis = 0; axis < 3; ++axis) {
+    const std::string name = std::string(1, "xyz"[axis]) + " = ";
+    if (!std::isfinite(grid.origin[axis]))
+      return "the grid's origin has " + name + numberText(grid.origin[axis]) + "; it must be finite";
+    for (const double end : {grid.origin[axis], last[axis]})
+      if (!(std::abs(end) <= FLT_MAX))
+        return "the grid reaches to " + name + numberText(end) + ", and distances are known up to 3.4e38";
+  }
+  return {};
+}
+
 void validateGrid(const Grid& grid) {
   const glm::ivec3 dims = grid.dims;
   require(glm::all(glm::greaterThan(dims, glm::ivec3(0))),
           "the grid has " + std::to_string(dims.x) + " x " + std::to_string(dims.y) + " x " +
               std::to_string(dims.z) + " samples; every side needs at least one");
-  require(grid.spacing > 0.0 && std::isfinite(grid.spacing),
-          "the grid's spacing is " + numberText(grid.spacing) + "; it must be positive and finite");
-  for (int axis = 0; axis < 3; ++axis)
-    require(std::isfinite(grid.origin[axis]), std::string("the grid's origin has ") + "xyz"[axis] + " = " +
-                                                  numberText(grid.origin[axis]) + "; it must be finite");
+  const std::string problem = placeProblem(grid);
+  require(problem.empty(), problem);
 }
 
 void validateField(const Field& field) {
@@ -35,6 +51,7 @@ void validateField(const Field& field) {
 }
 
 void validateArray(const Field& field, FieldArray array) {
+  requireKnown(array, FieldArray::Triangle, "array");
   const std::string values = valuesOf(array);
   const size_t count = array == FieldArray::Triangle ? field.triangle.size() : numbersOf(field, array).size();
   if (count == 0) throw Error(ErrorCode::Usage, "the field is empty: it has no " + values);
@@ -46,6 +63,7 @@ void validateArray(const Field& field, FieldArray array) {
 }
 
 void validateArray(const SparseField& band, FieldArray array) {
+  requireKnown(array, FieldArray::Triangle, "array");
   validate(band);
   const bool isThere = array == FieldArray::Triangle   ? !band.triangle.empty()
                        : array == FieldArray::Distance ? true

@@ -7,13 +7,17 @@
 #include <array>
 #include <cmath>
 #include <span>
+#include <string>
 
 #include "field/sparse_reader.h"
 #include "field/trilinear.h"
 
 namespace raymap {
 
-/// Throws `Error(Usage)` unless the grid has samples, a positive, finite spacing and a finite origin.
+/// Returns what is wrong with the place of a grid, or an empty text: spacing and origin must be finite, the
+/// spacing positive and of full precision, and no coordinate beyond single precision, as distances could not.
+std::string placeProblem(const Grid& grid);
+/// Throws `Error(Usage)` unless the grid has samples and no problem with its place.
 void validateGrid(const Grid& grid);
 /// Throws `Error(Usage)` unless the grid is valid and the field has one distance per sample.
 void validateField(const Field& field);

@@ -7,6 +7,7 @@
 
 #include "base/require.h"
 #include "base/text.h"
+#include "mesh/area_bounds.h"
 
 namespace raymap {
 
@@ -30,6 +31,8 @@ void check(const GridOptions& options) {
                 std::to_string(dims->y) + " x " + std::to_string(dims->z));
   require(options.padding >= 0.0 && std::isfinite(options.padding),
           "the padding must not be negative, not " + numberText(options.padding));
+  require(!options.align || !options.dims,
+          "samples about the centre of the box cannot be aligned; leave out their number");
   require(options.thickness >= 0.0 && std::isfinite(options.thickness),
           "the thickness must not be negative, not " + numberText(options.thickness));
 }
@@ -58,12 +61,31 @@ int samplesAlong(double length, double spacing) {
   return static_cast<int>(count);
 }
 
+/// Lays an axis of a grid so that its first sample lies on a multiple of 8 spacings.
+void align(const Box& box, int axis, Grid& grid) {
+  constexpr double kLeafSide = 8.0, kMostSteps = 1e9;
+  const double h = grid.spacing, low = box.min[axis] / h, high = box.max[axis] / h;
+  require(std::abs(low) < kMostSteps && std::abs(high) < kMostSteps,
+          "the box lies so many spacings of " + numberText(h) + " from 0 that samples cannot be aligned; " +
+              "use a larger voxel size, or move the mesh");
+  // A cell reaches half a spacing beyond its sample. A side on the rim of a cell needs no further one.
+  constexpr double kRounding = 1e-6;
+  const double first = kLeafSide * std::floor(std::floor(low + 0.5 + kRounding) / kLeafSide);
+  grid.dims[axis] = samplesAlong(std::max(1.0, std::ceil(high - 0.5 - kRounding) - first + 1.0), 1.0);
+  grid.origin[axis] = h * first;
+}
+
 }  // namespace
+
+Box gridBounds(const MeshView& mesh) {
+  const Box box = areaBounds(mesh);
+  return box.isEmpty() ? bounds(mesh) : box;
+}
 
 Grid fitGrid(const MeshView& mesh, const GridOptions& options) {
   if (!options.box && mesh.triangleCount == 0)
     throw Error(ErrorCode::Input, "the mesh has no triangles, so it has no bounds; give a box to cover");
-  return fitGrid(options.box ? Box{} : bounds(mesh), options);
+  return fitGrid(options.box ? Box{} : gridBounds(mesh), options);
 }
 
 Grid fitGrid(const Box& bounds, const GridOptions& options) {
@@ -80,6 +102,10 @@ Grid fitGrid(const Box& bounds, const GridOptions& options) {
   Grid grid;
   grid.spacing = options.voxelSize > 0.0 ? options.voxelSize : longestSide(size / glm::dvec3(counts));
   require(!covered.isEmpty() && grid.spacing > 0.0, "the box is empty: its maximum must exceed its minimum");
+  if (options.align) {
+    for (int a = 0; a < 3; ++a) align(covered, a, grid);
+    return grid;
+  }
   for (int a = 0; a < 3; ++a) grid.dims[a] = options.dims ? counts[a] : samplesAlong(size[a], grid.spacing);
   grid.origin = centre - 0.5 * grid.spacing * glm::dvec3(grid.dims - 1);
   return grid;

@@ -5,12 +5,18 @@
 #include <utility>
 
 #include "base/parallel.h"
+#include "base/require.h"
 #include "field/field_sampler.h"
 #include "field/outside_bound.h"
 
 namespace raymap {
 
 namespace {
+
+bool isNaN(Outside outside) {
+  requireKnown(outside, Outside::NaN, "kind of outside");
+  return outside == Outside::NaN;
+}
 
 constexpr size_t kPointsPerTask = 1024;
 
@@ -48,7 +54,7 @@ class PointSampler {
  public:
   PointSampler(const AnyField& field, Outside outside)
       : grid_(field.grid),
-        isNaN_(outside == Outside::NaN),
+        isNaN_(isNaN(outside)),
         between_(samplerOf(field)),
         bound_(field.grid, field.surfaceBounds, clampDistanceOf(field)),
         read_([&field](const glm::ivec3& sample) { return valueAt(field, sample); }) {}

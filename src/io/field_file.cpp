@@ -31,6 +31,8 @@ struct Format {
                      const VdbStorage& storage) = nullptr;
   void (*writeBands)(std::ostream& out, std::span<const NamedBand> bands,
                      const VdbStorage& storage) = nullptr;
+  /// Writer with numbers of 16 bits; null for a format without them, or with `writeNamed`.
+  void (*writeHalf)(std::ostream& out, const Field& field, const NamedArray& array) = nullptr;
 
   /// Returns whether this build has the library for the format.
   bool isKnown() const { return read || readChosen; }
@@ -38,14 +40,16 @@ struct Format {
 
 constexpr std::array kFormats{
     Format{".nrrd", readNrrd, writeNrrd},
-    Format{".npy", readNpy, writeNpy},
-    Format{".npz", readNpz, writeNpz, true},
+    Format{.extension = ".npy", .read = readNpy, .write = writeNpy, .writeHalf = writeHalfNpy},
+    Format{
+        .extension = ".npz", .read = readNpz, .write = writeNpz, .goesBack = true, .writeHalf = writeHalfNpz},
     Format{".vti", readVti, writeVti},
 #ifdef RAYMAP_OPENVDB
     Format{".vdb", nullptr, nullptr, true, readVdb, writeVdb, writeVdb},
     Format{".nvdb", nullptr, nullptr, false, readNvdb, writeNvdb, writeNvdb},
 #else
-    Format{".vdb", nullptr, nullptr},        Format{".nvdb", nullptr, nullptr},
+    Format{".vdb", nullptr, nullptr},
+    Format{".nvdb", nullptr, nullptr},
 #endif
 };
 
@@ -80,8 +84,10 @@ void checkLength(const fs::path& path, const Format& format, const std::string& 
 /// its largest distance.
 template <class AnyField>
 void checkHalf(const fs::path& path, const Format& format, const AnyField& field, double farthest) {
-  if (!format.writeNamed)
-    throw Error(ErrorCode::Usage, path.string() + ": only a .vdb or .nvdb has numbers of 16 bits; use 32");
+  if (!format.writeNamed && !format.writeHalf)
+    throw Error(ErrorCode::Usage, path.string() + ": a " + std::string(format.extension) +
+                                      " has no type for numbers of 16 bits; write a .npy, .npz, .vdb or "
+                                      ".nvdb, or use 32 bits");
   if (format.extension == ".nvdb") {
     constexpr double kMost = 1e38;  // The range of a leaf must be a float.
     const auto isHeld = [](float value) { return std::abs(double(value)) <= kMost; };
@@ -91,11 +97,13 @@ void checkHalf(const fs::path& path, const Format& format, const AnyField& field
                   path.string() + ": a .nvdb holds finite numbers of up to 1e38 in 16 bits; use 32 bits");
     return;
   }
-  constexpr double kMostHalf = 65504.0, kLeastSpacing = 1e-4;
+  // In a .vdb the largest half float but one: the background lies above all distances.
+  const double mostHalf = format.writeHalf ? 65504.0 : 65472.0;
+  constexpr double kLeastSpacing = 1e-4;
   const double spacing = field.grid.spacing;
-  if (farthest > kMostHalf || spacing < kLeastSpacing)
+  if (farthest > mostHalf || spacing < kLeastSpacing)
     throw Error(ErrorCode::Usage, path.string() + ": numbers of 16 bits reach from " +
-                                      numberText(kLeastSpacing) + " to " + numberText(kMostHalf) +
+                                      numberText(kLeastSpacing) + " to " + numberText(mostHalf) +
                                       ", and here are samples " + numberText(spacing) +
                                       " apart and distances of " + numberText(farthest) +
                                       "; write a .nvdb, or use another unit or 32 bits");
@@ -260,8 +268,10 @@ void writeField(const fs::path& path, const Field& field, const FieldWriteOption
                   "the field's array '" + std::string(each.name) + "' does not fit its grid");
   checkStorage(path, format, field, largestMagnitude(field.distance), options);
   const auto write = [&](std::ostream& out) {
-    format.write ? format.write(out, field, array)
-                 : format.writeNamed(out, field, array, {options.gridName, options.half});
+    if (format.writeNamed)
+      format.writeNamed(out, field, array, {options.gridName, options.half});
+    else
+      (options.half ? format.writeHalf : format.write)(out, field, array);
   };
   writeAtomically(path, [&](std::ostream& out) { format.goesBack ? writeSeekable(out, write) : write(out); });
 }

@@ -68,20 +68,23 @@ bool isBinaryStl(std::string_view head, uint64_t bytes) {
 std::string_view formatOfText(std::string_view head) {
   constexpr std::array<std::string_view, 10> kObjWords{"v", "vn", "vt", "f",      "o",
                                                        "g", "s",  "l",  "mtllib", "usemtl"};
-  constexpr std::array<std::string_view, 5> kOffWords{"OFF", "COFF", "NOFF", "CNOFF", "STOFF"};
+  constexpr std::array<std::string_view, 6> kOffWords{"off", "coff", "noff", "cnoff", "stoff", "4off"};
   const std::string_view word = firstWord(head);
   if (std::ranges::find(kObjWords, word) != kObjWords.end()) return ".obj";
-  if (std::ranges::find(kOffWords, word) != kOffWords.end()) return ".off";
+  if (std::ranges::find(kOffWords, lower(word)) != kOffWords.end()) return ".off";
   if (word.starts_with('{')) return ".gltf";
-  if (word.starts_with('<') || word.starts_with("\xef\xbb\xbf<"))
+  if (word.starts_with('<'))
     return head.find("<VTKFile") != head.npos ? ".vti" : head.find("<COLLADA") != head.npos ? ".dae" : "";
   const std::string text = lower(head);
   const bool isStl =
-      lower(word) == "solid" && (text.find("facet") != text.npos || text.find("endsolid") != text.npos);
+      (lower(word) == "solid" && (text.find("facet") != text.npos || text.find("endsolid") != text.npos)) ||
+      (lower(word) == "facet" && text.find("vertex") != text.npos);
   return isStl ? ".stl" : "";
 }
 
 std::string_view formatOfBytes(std::string_view head, uint64_t bytes) {
+  constexpr std::string_view kMark = "\xef\xbb\xbf";  // Of a text's byte order.
+  if (head.starts_with(kMark)) head.remove_prefix(kMark.size());
   for (const Signature& signature : kSignatures)
     if (head.starts_with(signature.bytes)) return signature.format;
   if (head.starts_with("PK\x03\x04")) return formatOfZip(head);
@@ -112,11 +115,15 @@ std::string formatOf(const SourceFile& source, std::string_view given, const For
     throw Error(ErrorCode::File, source.path().string() + ": no such file; check the path");
   if (std::filesystem::is_directory(source.place(), error))
     throw Error(ErrorCode::File, source.path().string() + ": it is a folder; give a file in it");
+  std::string found = formatOfContent(source);
+  if (found.empty() && contains(known, ".csv")) found = formatOfTable(source.head(kHeadBytes));
+  return contains(known, found) ? found : "";
+}
+
+std::string formatOfContent(const SourceFile& source) {
+  std::error_code error;
   const uint64_t bytes = std::filesystem::file_size(source.place(), error);
-  const std::string head = source.head(kHeadBytes);
-  std::string_view found = formatOfBytes(head, error ? 0 : bytes);
-  if (found.empty() && contains(known, ".csv")) found = formatOfTable(head);
-  return contains(known, found) ? std::string(found) : "";
+  return std::string(formatOfBytes(source.head(kHeadBytes), error ? 0 : bytes));
 }
 
 std::string formatOf(const std::filesystem::path& path, std::string_view given, const Formats& known) {

@@ -24,6 +24,9 @@ bool contains(const Formats& formats, std::string_view format);
 /// there is no file whose bytes could tell.
 std::string formatOf(const SourceFile& source, std::string_view given, const Formats& known);
 
+/// Returns the format that a file's bytes tell beyond doubt; empty if they tell none.
+std::string formatOfContent(const SourceFile& source);
+
 /// Returns the format of a file to write: the name's extension, or `given` if that is none of `known`.
 std::string formatOf(const std::filesystem::path& path, std::string_view given, const Formats& known);
 

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "io/file_format.h"
+#include "io/foreign_file.h"
 #include "io/mesh/mesh_file.h"
 #ifdef RAYMAP_ASSIMP
 #include "io/import/import_mesh.h"
@@ -15,6 +16,8 @@
 namespace raymap {
 
 namespace {
+
+constexpr size_t kKindBytes = 256;  // What a file is shows in so many.
 
 struct Format {
   std::string_view extension;
@@ -35,6 +38,11 @@ Mesh importMesh(const SourceFile& source, std::string_view, const MeshFile&) {
 }
 #endif
 
+/// Returns whether a file in this format begins like no other.
+bool isPlain(std::string_view format) {
+  return format == ".obj" || format == ".ply" || format == ".stl" || format == ".off";
+}
+
 [[noreturn]] void failFormat(const SourceFile& source) {
   const std::string path = source.path().string();
   if (!formatOf(source, {}, knownFieldFormats()).empty())
@@ -49,11 +57,19 @@ Mesh importMesh(const SourceFile& source, std::string_view, const MeshFile&) {
 Mesh readMeshAs(const SourceFile& source, std::string_view name, const ReadOptions& options) {
   const auto* format = std::ranges::find(kFormats, name, &Format::extension);
   if (format == kFormats.end()) failFormat(source);
-  MeshFile file{{}, source.path(), options.warn, source.folder(), options.allowEmpty};
-  if (!format->read) return importMesh(source, format->extension, file);
-  const Buffer<std::byte> bytes = loadFile(source);
-  file.bytes = bytes;
-  return format->read(file);
+  MeshFile file{{}, source.path(), options.warn, source.folder(), options.allowEmpty, options.exact};
+  try {
+    if (!format->read) return importMesh(source, format->extension, file);
+    const Buffer<std::byte> bytes = loadFile(source);
+    file.bytes = bytes;
+    return format->read(file);
+  } catch (const Error& error) {
+    if (error.code() != ErrorCode::Input) throw;
+    if (const std::string kind = foreignKind(source.head(kKindBytes), name); !kind.empty()) file.fail(kind);
+    const std::string content = formatOfContent(source);
+    if (content.empty() || content == name || !isPlain(name)) throw;
+    file.fail("its bytes are those of a " + content + "; rename it");
+  }
 }
 
 Mesh readMesh(const std::filesystem::path& path, const ReadOptions& options) {

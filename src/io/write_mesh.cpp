@@ -10,6 +10,7 @@
 #include "io/3mf/write_3mf.h"
 #include "io/file_format.h"
 #include "io/mesh/mesh_formats.h"
+#include "mesh/strided_mesh.h"
 
 namespace raymap {
 
@@ -18,7 +19,7 @@ namespace {
 struct MeshFormat {
   std::string_view extension;
   /// Null for 3MF, which has a unit and a title.
-  void (*write)(std::ostream& out, const PackedMesh& mesh, const glm::dvec3& offset);
+  void (*write)(std::ostream& out, const WritableMesh& mesh, const glm::dvec3& offset);
   Precision precision;
 };
 
@@ -37,26 +38,36 @@ const MeshFormat& formatFor(const std::filesystem::path& path, std::string_view 
 }
 
 /// Returns the mesh moved by -offset. It refers to the arrays of the packer or the view.
-PackedMesh moved(const MeshView& view, const glm::dvec3& offset, MeshPacker& packer) {
+WritableMesh moved(const MeshView& view, const glm::dvec3& offset, MeshPacker& packer) {
   for (int axis = 0; axis < 3; ++axis)
     if (!std::isfinite(offset[axis])) throw Error(ErrorCode::Usage, "the offset of a mesh must be finite");
   validate(view);
-  PackedMesh mesh = packer.pack(view);
+  WritableMesh mesh{packer.pack(view)};
   mesh.origin -= offset;
+  if (view.scalar != Scalar::Double) return mesh;
+  mesh.exact.reserve(view.vertexCount);
+  const glm::dvec3 shift = view.origin - offset;
+  visitTypes(view, [&](const auto& strided) {
+    for (size_t v = 0; v < strided.vertexCount(); ++v) {
+      const glm::dvec3 p(strided.position(v));
+      mesh.exact.push_back(shift == glm::dvec3(0.0) ? p : p + shift);  // -0 stays.
+    }
+  });
   return mesh;
 }
 
 /// Returns how far single precision moves a vertex of a triangle at most.
-double largestShift(const PackedMesh& mesh) {
+double largestShift(const WritableMesh& mesh) {
   double shift = 0.0;
   for (const glm::uvec3& t : mesh.triangles)
     for (int c = 0; c < 3; ++c)
-      shift = std::max(shift, glm::distance(mesh.position(t[c]), glm::dvec3(singlePosition(mesh, t[c]))));
+      shift =
+          std::max(shift, glm::distance(mesh.exactPosition(t[c]), glm::dvec3(singlePosition(mesh, t[c]))));
   return shift;
 }
 
 /// Warns if single precision changes the shape of a mesh, as it does far from 0.
-void warnOfShift(const std::filesystem::path& path, const PackedMesh& mesh, const WarningCallback& warn) {
+void warnOfShift(const std::filesystem::path& path, const WritableMesh& mesh, const WarningCallback& warn) {
   constexpr double kNoticeable = 1e-5;  // Relative to the mesh's size.
   if (!warn) return;
   const glm::dvec3 sides = bounds(mesh).size();
@@ -78,7 +89,7 @@ void warnOfShift(const std::filesystem::path& path, const PackedMesh& mesh, cons
 void writeMesh(const std::filesystem::path& path, const MeshView& view, const MeshWriteOptions& options) {
   const MeshFormat& format = formatFor(path, options.format);
   MeshPacker packer;
-  const PackedMesh mesh = moved(view, options.offset, packer);
+  const WritableMesh mesh = moved(view, options.offset, packer);
   if (format.precision == Precision::Single) warnOfShift(path, mesh, options.warn);
   try {
     writeAtomically(path, [&](std::ostream& out) {

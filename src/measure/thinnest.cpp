@@ -1,6 +1,6 @@
 // The thickness of a mesh's thinnest part, for the verdict on it.
 
-#include <raymap/thickness.h>
+#include "measure/thinnest.h"
 
 #include <algorithm>
 #include <cmath>
@@ -31,16 +31,21 @@ std::optional<double> findThinnest(const MeshView& view, double maxThickness, co
   return double(diameters[leftOut]);
 }
 
-Verdict judge(const MeshView& mesh, const Diagnostics& found, const SelfIntersections& crossings,
-              const MachineOptions& machine) {
+void addThinnest(const MeshView& mesh, const Diagnostics& found, const MachineOptions& machine,
+                 Verdict& verdict) {
   constexpr size_t kMostTriangles = 2'000'000;  // They take a second or two.
-  Verdict verdict = judge(found, crossings);
   const bool isSolid = verdict.kind != MeshKind::NoSurface && verdict.remedy != Remedy::Thicken;
-  if (!isSolid || found.triangles > kMostTriangles) return verdict;
+  if (!isSolid || found.triangles > kMostTriangles) return;
   const glm::dvec3 size = found.bounds.size();
   verdict.sought = std::max({size.x, size.y, size.z}) / 25.0;
   verdict.thinnest = findThinnest(mesh, verdict.sought, machine);
   if (verdict.thinnest && *verdict.thinnest > 0.0) verdict.voxelSize = roundDown(0.5 * *verdict.thinnest);
+}
+
+Verdict judge(const MeshView& mesh, const Diagnostics& found, const SelfIntersections& crossings,
+              const MachineOptions& machine) {
+  Verdict verdict = judge(found, crossings, arrangeParts(mesh, found, crossings, machine));
+  addThinnest(mesh, found, machine, verdict);
   return verdict;
 }
 

@@ -25,15 +25,20 @@ void removeUnusedVertices(Mesh& mesh) {
 }
 
 Mesh weldedCopy(const PackedMesh& mesh) {
-  const Welding welding = weldVertices(mesh.vertices);
+  std::vector<uint32_t> firsts;
+  return weldedCopy(mesh, weldVertices(mesh.vertices), firsts);
+}
+
+Mesh weldedCopy(const PackedMesh& mesh, const Welding& welding, std::vector<uint32_t>& firsts) {
   std::vector<uint32_t> numbers(welding.count, kNoNumber);
   Mesh result{.triangles = {mesh.triangles.begin(), mesh.triangles.end()}, .origin = mesh.origin};
   result.vertices.reserve(welding.count);
-  for (size_t v = 0; v < mesh.vertices.size(); ++v) {
+  for (uint32_t v = 0; v < mesh.vertices.size(); ++v) {
     uint32_t& number = numbers[welding.ids[v]];
     if (number != kNoNumber) continue;
     number = uint32_t(result.vertices.size());
     result.vertices.push_back(mesh.vertices[v]);
+    firsts.push_back(v);
   }
   for (glm::uvec3& t : result.triangles)
     for (int c = 0; c < 3; ++c) t[c] = numbers[welding.ids[t[c]]];

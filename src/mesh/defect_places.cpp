@@ -1,4 +1,4 @@
-// Where a mesh has defects, for a list that a person can look through.
+// Places of a mesh's defects, for a list that a person can look through.
 
 #include <raymap/diagnostics.h>
 

@@ -10,6 +10,7 @@
 #include "mesh/defects.h"
 #include "mesh/double_sided.h"
 #include "mesh/face_measures.h"
+#include "mesh/far_vertices.h"
 #include "mesh/half_edges.h"
 #include "mesh/holes.h"
 #include "mesh/weld.h"
@@ -145,6 +146,9 @@ Diagnostics diagnosePacked(const PackedMesh& mesh, bool isBrief, Progress& progr
   found.weldedVertices = welding.count;
   found.triangles = mesh.triangles.size();
   found.bounds = bounds(mesh);
+  found.farVertices = findFarVertices({found.bounds.min - mesh.origin, found.bounds.max - mesh.origin},
+                                      mesh.vertices, mesh.triangles)
+                          .count;
   measureFaces(mesh, welding, found);
   progress.report(0.4);
   const std::span<const SortKey> halfEdges = sortHalfEdges(mesh, welding, keys);

@@ -11,6 +11,7 @@
 
 #include "base/parallel.h"
 #include "mesh/position_bits.h"
+#include "mesh/surplus_faces.h"
 
 namespace raymap {
 
@@ -138,10 +139,23 @@ CornersOfFace cornersOf(const PackedMesh& mesh, uint32_t face) {
   return c;
 }
 
-/// Adds the double-sided groups among faces that may lie on the same positions: all faces of a group but the
-/// first, each paired with the first.
+/// Faces that lie on others, as they are found.
+struct FoundFaces {
+  std::vector<uint64_t> others;  ///< All faces of double-sided groups but the first, paired with the first.
+  std::vector<uint32_t> repeated;
+};
+
+/// Adds the repeated faces of a group on the same corners, `even` of which are even.
+void addRepeated(std::span<const CornersOfFace> group, size_t even, std::vector<uint32_t>& repeated) {
+  const bool isEven = 2 * even > group.size();
+  bool isFirst = true;
+  for (const CornersOfFace& face : group)
+    if (face.isEven != isEven || !std::exchange(isFirst, false)) repeated.push_back(face.face);
+}
+
+/// Adds the groups among faces that may lie on the same positions.
 void addGroups(const PackedMesh& mesh, std::span<const uint64_t> candidates,
-               std::vector<CornersOfFace>& faces, std::vector<uint64_t>& others) {
+               std::vector<CornersOfFace>& faces, FoundFaces& found) {
   faces.clear();
   for (const uint64_t candidate : candidates) {
     const CornersOfFace face = cornersOf(mesh, uint32_t(candidate));
@@ -152,27 +166,35 @@ void addGroups(const PackedMesh& mesh, std::span<const uint64_t> candidates,
     size_t even = 0;
     for (; end < faces.size() && faces[end].corners == faces[begin].corners; ++end)
       even += faces[end].isEven ? 1 : 0;
-    if (2 * even != end - begin) continue;
-    for (size_t f = begin + 1; f < end; ++f) others.push_back(paired(faces[begin].face, faces[f].face));
+    if (2 * even != end - begin) {
+      addRepeated(std::span(faces).subspan(begin, end - begin), even, found.repeated);
+      continue;
+    }
+    for (size_t f = begin + 1; f < end; ++f) found.others.push_back(paired(faces[begin].face, faces[f].face));
   }
 }
 
-/// Returns whether two faces are a double-sided group. Almost all groups are such pairs, and most of them
+/// Adds two faces that may lie on the same positions. Almost all groups are such pairs, and most of them
 /// share their vertices.
-bool isPair(const PackedMesh& mesh, uint32_t a, uint32_t b) {
+void addPair(const PackedMesh& mesh, uint32_t a, uint32_t b, FoundFaces& found) {
   const glm::uvec3 s = mesh.triangles[a], t = mesh.triangles[b];
   const auto at = [&](uint32_t vertex) { return mesh.vertices[vertex]; };
   const auto areSame = [&](uint32_t u, uint32_t v) { return u == v || at(u) == at(v); };
-  if (at(s.x) == at(s.y) || at(s.y) == at(s.z) || at(s.z) == at(s.x)) return false;
+  if (at(s.x) == at(s.y) || at(s.y) == at(s.z) || at(s.z) == at(s.x)) return;
   const int first = areSame(t.x, s.x) ? 0 : areSame(t.y, s.x) ? 1 : 2;
-  return areSame(t[first], s.x) && areSame(t[(first + 1) % 3], s.z) && areSame(t[(first + 2) % 3], s.y);
+  const auto matches = [&](uint32_t second, uint32_t third) {
+    return areSame(t[first], s.x) && areSame(t[(first + 1) % 3], second) &&
+           areSame(t[(first + 2) % 3], third);
+  };
+  if (matches(s.z, s.y)) found.others.push_back(paired(a, b));
+  if (matches(s.y, s.z)) found.repeated.push_back(b);
 }
 
-/// Returns the faces of all groups but the first of each, paired with the first, ascending.
-std::vector<uint64_t> findOthers(const PackedMesh& mesh, std::span<const uint64_t> candidates) {
+/// Returns the faces of all groups. Each list is ascending.
+FoundFaces findGroups(const PackedMesh& mesh, std::span<const uint64_t> candidates) {
   constexpr size_t kPart = size_t{1} << 16;
   constexpr size_t kAhead = 24;  // Faces are fetched early: they lie anywhere in memory.
-  std::vector<std::vector<uint64_t>> found((candidates.size() + kPart - 1) / kPart);
+  std::vector<FoundFaces> found((candidates.size() + kPart - 1) / kPart);
   const auto runStart = [&](size_t c) {  // The first run that starts at c or later.
     while (c > 0 && c < candidates.size() && candidates[c] >> 32 == candidates[c - 1] >> 32) ++c;
     return c;
@@ -189,13 +211,18 @@ std::vector<uint64_t> findOthers(const PackedMesh& mesh, std::span<const uint64_
       if (run.size() > 2) return addGroups(mesh, run, faces, found[part]);
       if (run.size() < 2) return;
       const auto [low, high] = std::minmax({uint32_t(run[0]), uint32_t(run[1])});
-      if (isPair(mesh, low, high)) found[part].push_back(paired(low, high));
+      addPair(mesh, low, high, found[part]);
     });
   });
-  std::vector<uint64_t> others;
-  for (const std::vector<uint64_t>& part : found) others.insert(others.end(), part.begin(), part.end());
-  hwy::Sorter()(others.data(), others.size(), hwy::SortAscending());
-  return others;
+  FoundFaces all;
+  const auto append = [](auto& to, const auto& from) { to.insert(to.end(), from.begin(), from.end()); };
+  for (const FoundFaces& part : found) {
+    append(all.others, part.others);
+    append(all.repeated, part.repeated);
+  }
+  hwy::Sorter()(all.others.data(), all.others.size(), hwy::SortAscending());
+  hwy::Sorter()(all.repeated.data(), all.repeated.size(), hwy::SortAscending());
+  return all;
 }
 
 }  // namespace
@@ -212,8 +239,10 @@ DoubleSidedFaces findDoubleSidedFaces(const PackedMesh& mesh, std::span<const ui
 }
 
 DoubleSidedFaces findDoubleSidedFaces(const PackedMesh& mesh, std::span<const uint64_t> candidates) {
+  FoundFaces groups = findGroups(mesh, candidates);
   DoubleSidedFaces found;
-  forEachRun(findOthers(mesh, candidates), [&](std::span<const uint64_t> run) {
+  found.repeated = surplusFaces(mesh, std::move(groups.repeated));
+  forEachRun(groups.others, [&](std::span<const uint64_t> run) {
     for (const uint64_t other : run) {
       found.others.push_back(uint32_t(other));
       found.groupOf.push_back(uint32_t(found.firsts.size()));

@@ -8,18 +8,24 @@
 
 namespace raymap {
 
-/// Double-sided faces of a mesh. The faces of a group lie on the same three positions, as many of them in
-/// one winding order as in the other. They cancel in every winding number.
+/// Faces that lie on others: on the same three positions. They form groups.
+///
+/// A double-sided group has as many faces in one winding order as in the other. They cancel in every winding
+/// number. Every other group counts as one face, the lowest in the winding order of most; the rest of it is
+/// repeated, unless the mesh needs it to be as balanced as it is (`surplusFaces`).
 struct DoubleSidedFaces {
-  std::vector<uint32_t> firsts;   ///< Lowest face of each group, ascending.
-  std::vector<uint32_t> others;   ///< The remaining faces of all groups, group by group.
-  std::vector<uint32_t> groupOf;  ///< Index in `firsts` of the group of each of `others`.
+  std::vector<uint32_t> firsts;    ///< Lowest face of each double-sided group, ascending.
+  std::vector<uint32_t> others;    ///< The remaining faces of these groups, group by group.
+  std::vector<uint32_t> groupOf;   ///< Index in `firsts` of the group of each of `others`.
+  std::vector<uint32_t> repeated;  ///< Repeated faces, ascending.
 
+  /// Returns whether there is no double-sided group.
   bool empty() const { return firsts.empty(); }
+  /// Returns the number of faces in double-sided groups.
   size_t count() const { return firsts.size() + others.size(); }
 };
 
-/// Finds the double-sided faces. Positions are the same if their coordinates are exactly equal.
+/// Finds the faces that lie on others. Positions are the same if their coordinates are exactly equal.
 DoubleSidedFaces findDoubleSidedFaces(const PackedMesh& mesh);
 
 /// Finds them among these faces, in any order.

@@ -39,17 +39,15 @@ void forEachStripPart(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c
   }
 }
 
-/// Parts: calls `visit(a, b, c)` with the corners of the parts of a triangle, of which no side is longer than
-/// `step`. They wind as the triangle. It is halved at the middle of its longest side until it is narrow, and
-/// then cut into strips: halves of a sliver are three slivers of half its length, and so on.
+/// Does the work of `forEachFacePart` for lengths whose squares fit in single precision.
 template <class Visit>
-void forEachFacePart(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c, double step, Visit&& visit,
-                     int halvings = kMostFaceHalvings) {
+void halveFace(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c, double step, Visit&& visit,
+               int halvings) {
   constexpr double kNarrow = 0.5;  // Height of a narrow triangle over its longest side, in steps.
   const double ab = glm::distance(a, b), bc = glm::distance(b, c), ca = glm::distance(c, a);
   // The longest side becomes ab.
-  if (bc > ab && bc >= ca) return forEachFacePart(b, c, a, step, visit, halvings);
-  if (ca > ab) return forEachFacePart(c, a, b, step, visit, halvings);
+  if (bc > ab && bc >= ca) return halveFace(b, c, a, step, visit, halvings);
+  if (ca > ab) return halveFace(c, a, b, step, visit, halvings);
   if (ab <= step || halvings == 0) return visit(a, b, c);
   if (const double height = glm::length(doubleAreaNormal(a, b, c)) / ab; height <= kNarrow * step) {
     const float along = glm::clamp(glm::dot(c - a, b - a) / float(ab * ab), 0.0f, 1.0f);
@@ -62,8 +60,24 @@ void forEachFacePart(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c,
     return;
   }
   const glm::vec3 middle = 0.5f * (a + b);
-  forEachFacePart(a, middle, c, step, visit, halvings - 1);
-  forEachFacePart(middle, b, c, step, visit, halvings - 1);
+  halveFace(a, middle, c, step, visit, halvings - 1);
+  halveFace(middle, b, c, step, visit, halvings - 1);
+}
+
+/// Parts: calls `visit(a, b, c)` with the corners of the parts of a triangle, of which no side is longer than
+/// `step`. They wind as the triangle. It is halved at the middle of its longest side until it is narrow, and
+/// then cut into strips: halves of a sliver are three slivers of half its length, and so on.
+template <class Visit>
+void forEachFacePart(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c, double step, Visit&& visit,
+                     int halvings = kMostFaceHalvings) {
+  // A power of two scales without rounding, and brings the step to about 1.
+  const float scale = step > 0.0 ? std::ldexp(1.0f, -std::clamp(std::ilogb(step), -126, 126)) : 1.0f;
+  halveFace(
+      scale * a, scale * b, scale * c, double(scale) * step,
+      [&](const glm::vec3& p, const glm::vec3& q, const glm::vec3& r) {
+        visit(p / scale, q / scale, r / scale);
+      },
+      halvings);
 }
 
 /// Rows: visits points of a triangle in rows along its longest side. Neighbours are at most `step` apart, and

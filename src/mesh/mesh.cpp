@@ -4,6 +4,8 @@
 #include <string>
 #include <utility>
 
+#include "mesh/single_origin.h"
+
 namespace raymap {
 
 namespace {
@@ -22,9 +24,9 @@ Mesh makeMesh(std::span<const glm::dvec3> positions, std::vector<glm::uvec3> tri
       if (triangle[c] < positions.size()) extend(box, positions[triangle[c]]);
   Mesh mesh;
   mesh.triangles = std::move(triangles);
-  if (!box.isEmpty()) mesh.origin = box.centre();
+  mesh.origin = singleOrigin(box, positions.size(), [&](size_t v) { return positions[v]; });
   mesh.vertices.reserve(positions.size());
-  for (const glm::dvec3& p : positions) mesh.vertices.emplace_back(p - mesh.origin);
+  for (const glm::dvec3& p : positions) mesh.vertices.push_back(roundedToSingle(p - mesh.origin));
   return mesh;
 }
 

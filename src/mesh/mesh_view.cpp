@@ -5,11 +5,14 @@
 #include <atomic>
 #include <cmath>
 #include <string>
+#include <type_traits>
 #include <vector>
 
 #include "base/parallel.h"
 #include "base/text.h"
+#include "mesh/area_bounds.h"
 #include "mesh/packed_mesh.h"
+#include "mesh/single_origin.h"
 #include "mesh/strided_mesh.h"
 
 namespace raymap {
@@ -35,26 +38,24 @@ std::string text(const glm::vec<3, Scalar>& v) {
 template <class Scalar>
 struct Extent {
   glm::vec<3, Scalar> low{INFINITY}, high{-INFINITY};
+
+  void add(const glm::vec<3, Scalar>& p) {
+    low = glm::min(low, p);
+    high = glm::max(high, p);
+  }
 };
 
 constexpr size_t kTrianglesPerTask = size_t{1} << 15;
 
-/// Finds the extent of the vertices that triangles use, without the view's origin.
-template <class Scalar, class Index>
-Extent<Scalar> extentOf(const StridedMesh<Scalar, Index>& mesh) {
+/// Returns the extent that `add(triangle, extent)` makes of all triangles.
+template <class Scalar, class Mesh, class Add>
+Extent<Scalar> extentOfTriangles(const Mesh& mesh, Add&& add) {
   std::vector<Extent<Scalar>> extents((mesh.triangleCount() + kTrianglesPerTask - 1) / kTrianglesPerTask);
   parallelFor(extents.size(), 1, [&](size_t task, size_t) {
     Extent<Scalar> extent;
     const size_t begin = task * kTrianglesPerTask;
-    for (size_t t = begin; t < std::min(begin + kTrianglesPerTask, mesh.triangleCount()); ++t) {
-      const glm::vec<3, Index> triangle = mesh.triangle(t);
-      for (int c = 0; c < 3; ++c) {
-        if (triangle[c] >= mesh.vertexCount()) continue;
-        const glm::vec<3, Scalar> p = mesh.position(triangle[c]);
-        extent.low = glm::min(extent.low, p);
-        extent.high = glm::max(extent.high, p);
-      }
-    }
+    for (size_t t = begin; t < std::min(begin + kTrianglesPerTask, mesh.triangleCount()); ++t)
+      add(mesh.triangle(t), extent);
     extents[task] = extent;
   });
   Extent<Scalar> all;
@@ -63,6 +64,15 @@ Extent<Scalar> extentOf(const StridedMesh<Scalar, Index>& mesh) {
     all.high = glm::max(all.high, extent.high);
   }
   return all;
+}
+
+/// Finds the extent of the vertices that triangles use, without the view's origin.
+template <class Scalar, class Index>
+Extent<Scalar> extentOf(const StridedMesh<Scalar, Index>& mesh) {
+  return extentOfTriangles<Scalar>(mesh, [&](const glm::vec<3, Index>& triangle, Extent<Scalar>& extent) {
+    for (int c = 0; c < 3; ++c)
+      if (triangle[c] < mesh.vertexCount()) extent.add(mesh.position(triangle[c]));
+  });
 }
 
 /// Returns the position of a vertex as its owner knows it: a packed mesh holds it about the origin.
@@ -109,21 +119,17 @@ bool isValid(const StridedMesh<Scalar, Index>& mesh) {
   return allOf(mesh.triangleCount(), isInRange) && allOf(mesh.vertexCount(), isFiniteVertex);
 }
 
-/// Returns the point that double positions are centred on; zero for a mesh without vertices.
-glm::dvec3 centreOf(const Extent<double>& extent) {
-  const Box box{extent.low, extent.high};
-  return box.isEmpty() ? glm::dvec3(0.0) : box.centre();
+/// Returns the origin about which double positions are rounded.
+template <class Index>
+glm::dvec3 originOf(const StridedMesh<double, Index>& mesh, const Extent<double>& extent) {
+  return singleOrigin({extent.low, extent.high}, mesh.vertexCount(),
+                      [&](size_t v) { return mesh.position(v); });
 }
 
-/// Returns zero: floats are centred already.
-glm::dvec3 centreOf(const Extent<float>&) {
+/// Returns zero: floats are rounded already.
+template <class Index>
+glm::dvec3 originOf(const StridedMesh<float, Index>&, const Extent<float>&) {
   return glm::dvec3(0.0);
-}
-
-/// Rounds to single precision. Out of line, because GCC 12's vectorizer (SLP) else drops the rounding of some
-/// coordinates.
-[[gnu::noinline]] glm::vec3 rounded(const glm::dvec3& p) {
-  return glm::vec3(p);
 }
 
 bool isPacked(const MeshView& view) {
@@ -151,9 +157,33 @@ Box bounds(const MeshView& view) {
   return visitTypes(view, [&](const auto& mesh) -> Box {
     const auto extent = extentOf(mesh);
     // Double positions are rounded as the packed mesh has them, so that both have the same grid.
-    const glm::dvec3 centre = centreOf(extent), origin = view.origin + centre;
-    const auto round = [&](const auto& p) { return origin + glm::dvec3(rounded(glm::dvec3(p) - centre)); };
+    const glm::dvec3 about = originOf(mesh, extent), origin = view.origin + about;
+    const auto round = [&](const auto& p) {
+      return origin + glm::dvec3(roundedToSingle(glm::dvec3(p) - about));
+    };
     return {round(extent.low), round(extent.high)};
+  });
+}
+
+Box areaBounds(const MeshView& view) {
+  return visitTypes(view, [&](const auto& mesh) -> Box {
+    const glm::dvec3 about = originOf(mesh, extentOf(mesh));
+    const auto at = [&](auto vertex) -> glm::vec3 {
+      const auto p = mesh.position(vertex);
+      if constexpr (std::is_same_v<decltype(p), const glm::vec3>)
+        return p;
+      else
+        return roundedToSingle(p - about);
+    };
+    const auto all = extentOfTriangles<float>(mesh, [&](const auto& triangle, Extent<float>& extent) {
+      if (glm::max(glm::max(triangle.x, triangle.y), triangle.z) >= mesh.vertexCount()) return;
+      const glm::vec3 a = at(triangle.x), b = at(triangle.y), c = at(triangle.z);
+      const glm::dvec3 u = glm::dvec3(b) - glm::dvec3(a), v = glm::dvec3(c) - glm::dvec3(a);
+      if (glm::cross(u, v) == glm::dvec3(0.0)) return;
+      for (const glm::vec3& p : {a, b, c}) extent.add(p);
+    });
+    const glm::dvec3 origin = view.origin + about;
+    return {origin + glm::dvec3(all.low), origin + glm::dvec3(all.high)};
   });
 }
 
@@ -181,11 +211,11 @@ PackedMesh MeshPacker::pack(const MeshView& view) {
                                             " vertices; at most 4294967295 can be numbered");
   return visitTypes(view, [&](const auto& mesh) -> PackedMesh {
     copyTriangles(mesh, triangles_);
-    const glm::dvec3 centre = centreOf(extentOf(mesh));
+    const glm::dvec3 about = originOf(mesh, extentOf(mesh));
     vertices_.resizeUninitialized(mesh.vertexCount());
     for (size_t v = 0; v < mesh.vertexCount(); ++v)
-      vertices_[v] = glm::vec3(glm::dvec3(mesh.position(v)) - centre);
-    return {vertices_, triangles_, view.origin + centre};
+      vertices_[v] = roundedToSingle(glm::dvec3(mesh.position(v)) - about);
+    return {vertices_, triangles_, view.origin + about};
   });
 }
 

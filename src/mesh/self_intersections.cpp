@@ -1,6 +1,6 @@
-// Finds the faces that cross, with a tree of boxes and exact predicates.
+// Finds the faces that cross or overlap in one plane, with a tree of boxes and exact predicates.
 
-#include <raymap/diagnostics.h>
+#include "mesh/self_intersections.h"
 
 #include <algorithm>
 #include <array>
@@ -206,16 +206,21 @@ class BoxTree {
   std::vector<Buffer<BoxPacket>> levels_;  // leaves, ..., root
 };
 
-/// Crossings found for the faces of some leaves. Each pair is found at its first face.
+/// Pairs found for the faces of some leaves. Each pair is found at its first face.
 struct LeafResult {
-  std::vector<std::pair<uint32_t, uint32_t>> pairs;
+  std::vector<FacePair> pairs;
   size_t tests = 0;
   bool isComplete = true;
 };
 
+/// Returns whether two triangles have the same corners, in any order.
+bool areRepeated(const WholeTriangle& a, const WholeTriangle& b) {
+  return std::ranges::all_of(a, [&](const glm::ivec3& p) { return std::ranges::find(b, p) != b.end(); });
+}
+
 /// Tests the faces of one leaf against later faces. Returns the number of tests.
 size_t searchLeaf(std::span<const Face> faces, const BoxTree& tree, size_t leaf, std::vector<uint32_t>& near,
-                  std::vector<std::pair<uint32_t, uint32_t>>& pairs) {
+                  std::vector<FacePair>& pairs) {
   near.clear();
   tree.findLeaves(tree.leaf(leaf).boxOfAll(), leaf, near);
   size_t tests = 0;
@@ -231,8 +236,10 @@ size_t searchLeaf(std::span<const Face> faces, const BoxTree& tree, size_t leaf,
         ++tests;
         const size_t g = other * kArity + size_t(std::countr_zero(bits));
         const bool areSmall = isSmall && tree.leaf(other).box(g % kArity).isSmall();
-        if (doCross(faces[f].corners, plane, faces[g].corners, areSmall))
-          pairs.emplace_back(faces[f].id, faces[g].id);
+        const Meeting meeting = meet(faces[f].corners, plane, faces[g].corners, areSmall);
+        if (meeting == Meeting::Cross ||
+            (meeting == Meeting::InPlane && !areRepeated(faces[f].corners, faces[g].corners)))
+          pairs.push_back({faces[f].id, faces[g].id, meeting == Meeting::InPlane});
       }
     }
   }
@@ -256,17 +263,14 @@ size_t roundsLeft(size_t testsLeft) {
 }
 
 /// Searches all leaves in rounds. Whether there is another round depends on the number of tests so far, but
-/// not on the number of threads.
-SelfIntersections searchAll(std::span<const Face> faces, const BoxTree& tree, Progress& progress) {
-  SelfIntersections found;
-  std::vector<bool> isCrossed(faces.size());
+/// not on the number of threads. Visits all pairs in an order that does not depend on it, either. Returns
+/// whether the search is complete.
+bool searchAll(std::span<const Face> faces, const BoxTree& tree, const VisitPair& visit, Progress& progress) {
+  bool isComplete = true;
   const size_t most = std::max(kMostTests, kMostTestsPerFace * faces.size());
   size_t tests = 0;
   for (size_t first = 0; first < tree.leafCount();) {
-    if (tests >= most) {
-      found.complete = false;
-      break;
-    }
+    if (tests >= most) return false;
     const size_t count = std::min(roundsLeft(most - tests) * kLeavesPerRound, tree.leafCount() - first);
     std::vector<LeafResult> results((count + kLeavesPerTask - 1) / kLeavesPerTask);
     parallelFor(results.size(), 1, [&](size_t task, size_t) {
@@ -275,19 +279,29 @@ SelfIntersections searchAll(std::span<const Face> faces, const BoxTree& tree, Pr
     });
     for (const LeafResult& result : results) {
       tests += result.tests;
-      found.complete = found.complete && result.isComplete;
-      found.pairs += result.pairs.size();
-      for (const auto& [a, b] : result.pairs) isCrossed[a] = isCrossed[b] = true;
+      isComplete = isComplete && result.isComplete;
+      for (const FacePair& pair : result.pairs) visit(pair);
     }
     first += count;
     progress.report(0.2 + 0.8 * double(first) / double(tree.leafCount()));
   }
-  for (uint32_t face = 0; face < isCrossed.size(); ++face)
-    if (isCrossed[face]) found.faces.push_back(face);
-  return found;
+  return isComplete;
+}
+
+std::vector<uint32_t> facesIn(const std::vector<bool>& isIn) {
+  std::vector<uint32_t> faces;
+  for (uint32_t face = 0; face < isIn.size(); ++face)
+    if (isIn[face]) faces.push_back(face);
+  return faces;
 }
 
 }  // namespace
+
+bool forEachMeetingPair(const PackedMesh& mesh, const VisitPair& visit, Progress& progress) {
+  const Buffer<Face> faces = sortedFaces(mesh);
+  progress.report(0.15);
+  return searchAll(faces, BoxTree(faces), visit, progress);
+}
 
 SelfIntersections findSelfIntersections(const MeshView& view, const MachineOptions& machine) {
   validate(view);
@@ -295,14 +309,17 @@ SelfIntersections findSelfIntersections(const MeshView& view, const MachineOptio
   const PackedMesh mesh = packer.pack(view);
   Progress progress(machine.progress);
   SelfIntersections found;
+  std::vector<bool> isCrossed(mesh.triangles.size()), isCoplanar(mesh.triangles.size());
+  const auto visit = [&](const FacePair& pair) {
+    ++(pair.isInPlane ? found.coplanarPairs : found.pairs);
+    std::vector<bool>& isIn = pair.isInPlane ? isCoplanar : isCrossed;
+    isIn[pair.a] = isIn[pair.b] = true;
+  };
   progress.stage("crossing pairs", [&] {
-    withThreads(machine.threads, [&] {
-      const Buffer<Face> faces = sortedFaces(mesh);
-      progress.report(0.15);
-      const BoxTree tree(faces);
-      found = searchAll(faces, tree, progress);
-    });
+    withThreads(machine.threads, [&] { found.complete = forEachMeetingPair(mesh, visit, progress); });
   });
+  found.faces = facesIn(isCrossed);
+  found.coplanarFaces = facesIn(isCoplanar);
   return found;
 }
 

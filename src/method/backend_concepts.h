@@ -65,7 +65,8 @@ concept HostBackend = Backend<B> && requires(B b, const Turns& turns, std::span<
 
   // For the stage `orientation`, which leaves its result in `faceSides`.
   b.faceSides();
-  { b.doubleSidedFaces() } -> std::same_as<DoubleSidedFaces>;
+  { b.doubleSidedFaces() } -> std::same_as<DoubleSidedFaces>;  // Valid before any face is turned.
+  { b.mayHaveInvertedParts() } -> std::same_as<bool>;  // Of the mesh as given (mesh/inverted_parts.h).
   b.turnFaces(turns);
   { b.misfit() } -> std::same_as<double>;
   { b.contradictsParity() } -> std::same_as<bool>;  // Valid after `misfit`.

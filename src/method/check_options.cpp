@@ -12,8 +12,12 @@ namespace raymap {
 
 void checkOptions(const Grid& grid, const FieldOptions& options) {
   validateGrid(grid);
+  requireKnown(options.distance, DistanceMode::Raster, "distance mode");
+  requireKnown(options.sign, SignMode::None, "sign mode");
+  requireKnown(options.sampling, Sampling::Paper, "sampling");
+  requireKnown(options.orientation, Orientation::Repair, "orientation");
   require(options.band >= 0.0, "the band must not be negative");
-  require(options.passes >= 0, "the number of passes must not be negative");
+  require(options.passes >= 1, "the number of passes must be 1 or more");
   require(options.threshold >= 0.0, "the threshold must not be negative");
   require(!options.closeHoles || options.sign != SignMode::None, "closing holes needs a sign");
   require(

@@ -265,7 +265,8 @@ std::optional<State> chooseSingleFaces(const ExaminedMesh& examined, FieldSolver
   const DoubleSidedFaces faces =
       withoutSheets(examined.mesh, examined.doubleSided, leastSheetArea(examined.spacing));
   if (faces.empty()) return {};
-  if (faces.count() == examined.mesh.triangles.size()) {  // All in order, perhaps: that needs no patches.
+  if (faces.count() + faces.repeated.size() ==
+      examined.mesh.triangles.size()) {  // All in order, perhaps: that needs no patches.
     Turns turns = withoutOthers(faces, examined.mesh.triangles.size());
     if (solver.raysAgree(turns) && !solver.field().contradictsParity()) return State{std::move(turns), 0.0};
   }
@@ -321,12 +322,12 @@ void requireExamining(const PackedMesh& mesh, size_t bytesLeft) {
 FaceSides chooseSides(const ExaminedMesh& examined, double misfitGiven, Orientation orientation,
                       bool mayReverse, const FaceField& field, Progress& progress) {
   const bool isForced = orientation == Orientation::Repair;
-  const State given{Turns(examined.mesh.triangles.size(), kAsGiven), misfitGiven};
+  const State given{withoutRepeated(examined.doubleSided, examined.mesh.triangles.size()), misfitGiven};
   FieldSolver solver(field, progress, given);
   std::optional<State> best;
   if (!examined.doubleSided.empty()) best = chooseSingleFaces(examined, solver);
   if (!best && mayReverse) {
-    const OrientationSurface surface = takeAllFaces(examined.mesh);
+    const OrientationSurface surface = takeAllFaces(examined.mesh, given.turns);
     best = SideChooser(examined, surface, solver, given).choose(isForced);
   }
   if (!best) best = given;

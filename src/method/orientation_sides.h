@@ -9,6 +9,7 @@
 #include <span>
 
 #include "mesh/double_sided.h"
+#include "mesh/inverted_parts.h"
 #include "method/backend_concepts.h"
 #include "method/orientation_sheets.h"
 
@@ -25,10 +26,11 @@ enum class SideMeasure { Rise, Wholeness };
 /// Turns of the faces, and the misfits before and after. A misfit is the sum of squares by
 /// which the field misses the jumps along the lattice edges, divided by the sum of the jumps' magnitudes.
 struct FaceSides {
-  Turns turns;  ///< Empty if no face was examined.
+  Turns turns;  ///< Empty if the sign takes all faces as given.
   double misfitGiven = 0.0, misfit = 0.0;
   double doubtfulShare = 0.0;  ///< Share of samples whose six rays disagree, with the faces as given.
-  bool fits = true;            ///< False if no orientation was found whose misfit is small enough.
+  std::vector<uint32_t> invertedParts = {};  ///< Lowest face of each part that was inside out.
+  bool fits = true;  ///< False if no orientation was found whose misfit is small enough.
 
   /// Returns the indices of the reversed faces, ascending.
   std::vector<uint32_t> turnedFaces() const { return facesWith(kReversed); }
@@ -90,26 +92,39 @@ void requireExamining(const PackedMesh& mesh, size_t bytesLeft);
 FaceSides chooseSides(const ExaminedMesh& examined, double misfitGiven, Orientation orientation,
                       bool mayReverse, const FaceField& field, Progress& progress);
 
-/// Runs the stage `orientation`, after `winding`. Leaves the winding number of the mesh with reversed faces.
+/// Runs the stages up to the ray map again, with these turns.
 template <HostBackend B>
-void orientFaces(B& backend) {
+void countAgain(B& backend, const Turns& turns) {
+  backend.turnFaces(turns);
+  backend.crossings();
+  backend.rayMap();
+}
+
+/// Leaves repeated faces out of the winding number, if there are any.
+template <HostBackend B>
+void leaveOutRepeated(B& backend, const DoubleSidedFaces& faces) {
+  if (faces.repeated.empty()) return;
+  backend.doubtfulShare();  // The device must have read the faces as given.
+  FaceSides& sides = backend.faceSides();
+  sides.turns = withoutRepeated(faces, backend.mesh().triangles.size());
+  countAgain(backend, sides.turns);
+  backend.winding(modeBeforeOrientation(backend.options()));
+}
+
+/// Reverses the faces that the field contradicts, and takes double-sided ones once.
+template <HostBackend B>
+void reverseFaces(B& backend, const ExaminedMesh& examined) {
   const FieldOptions& options = backend.options();
-  if (!mayTurnFaces(options)) return;
   FaceSides& sides = backend.faceSides();
   const bool isForced = options.orientation == Orientation::Repair;
-  // Before the host waits for the device's findings, so that it searches meanwhile.
-  const ExaminedMesh examined{
-      .mesh = backend.mesh(), .doubleSided = backend.doubleSidedFaces(), .spacing = backend.spacing()};
   sides.doubtfulShare = backend.doubtfulShare();
   const bool hasDouble = !examined.doubleSided.empty();
   if (sides.doubtfulShare == 0.0 && !isForced && !hasDouble) return;
 
-  Turns counted(backend.mesh().triangles.size(), kAsGiven);
-  const auto count = [&](const Turns& turns) {  // Runs the stages before this one again.
+  Turns counted = withoutRepeated(examined.doubleSided, backend.mesh().triangles.size());
+  const auto count = [&](const Turns& turns) {
     counted = turns;
-    backend.turnFaces(turns);
-    backend.crossings();
-    backend.rayMap();
+    countAgain(backend, turns);
   };
   const auto solve = [&](const Turns& turns) {
     count(turns);
@@ -144,6 +159,38 @@ void orientFaces(B& backend) {
     sides.doubtfulShare = doubtfulShare;
   }
   if (options.sign != SignMode::Harmonic) backend.winding(options.sign);
+}
+
+/// Reverses parts that are inside out and cross others.
+template <HostBackend B>
+void turnInvertedParts(B& backend) {
+  FaceSides& sides = backend.faceSides();
+  if (sides.turns.empty() && !backend.mayHaveInvertedParts()) return;
+  const PackedMesh& mesh = backend.mesh();
+  const Buffer<glm::uvec3> faces = turnedTriangles(mesh.triangles, sides.turns);
+  const PackedMesh taken{mesh.vertices, faces, mesh.origin};
+  if (!mayHaveInvertedParts(taken)) return;
+  requireExamining(mesh, backend.bytesLeft());
+  const InvertedParts found = findInvertedParts(taken);
+  if (found.faces.empty()) return;
+  sides.turns.resize(faces.size(), kAsGiven);
+  for (const uint32_t face : found.faces) sides.turns[face] ^= kReversed;
+  sides.invertedParts = found.firsts;
+  countAgain(backend, sides.turns);
+  backend.winding(backend.options().sign);
+}
+
+/// Runs the stage `orientation`, after `winding`. Leaves the winding number of the mesh with reversed faces
+/// and without repeated ones.
+template <HostBackend B>
+void orientFaces(B& backend) {
+  // Before the host waits for the device's findings, so that it searches meanwhile.
+  const ExaminedMesh examined{
+      .mesh = backend.mesh(), .doubleSided = backend.doubleSidedFaces(), .spacing = backend.spacing()};
+  leaveOutRepeated(backend, examined.doubleSided);
+  if (!mayTurnFaces(backend.options())) return;
+  reverseFaces(backend, examined);
+  turnInvertedParts(backend);
 }
 
 }  // namespace raymap

@@ -80,9 +80,8 @@ Turns OrientationSurface::aligned() const {
   return turns;
 }
 
-OrientationSurface takeAllFaces(const PackedMesh& mesh) {
-  const size_t count = mesh.triangles.size();
-  return surfaceOf(mesh, Turns(count, kAsGiven), std::vector<uint8_t>(count, 1));
+OrientationSurface takeAllFaces(const PackedMesh& mesh, Turns given) {
+  return surfaceOf(mesh, std::move(given), std::vector<uint8_t>(mesh.triangles.size(), 1));
 }
 
 OrientationSurface takeSingleFaces(const PackedMesh& mesh, const DoubleSidedFaces& doubleSided) {
@@ -97,8 +96,14 @@ OrientationSurface takeSingleFaces(const PackedMesh& mesh, const DoubleSidedFace
   return surface;
 }
 
-Turns withoutOthers(const DoubleSidedFaces& doubleSided, size_t faceCount) {
+Turns withoutRepeated(const DoubleSidedFaces& doubleSided, size_t faceCount) {
   Turns turns(faceCount, kAsGiven);
+  for (const uint32_t face : doubleSided.repeated) turns[face] = kLeftOut;
+  return turns;
+}
+
+Turns withoutOthers(const DoubleSidedFaces& doubleSided, size_t faceCount) {
+  Turns turns = withoutRepeated(doubleSided, faceCount);
   for (const uint32_t face : doubleSided.others) turns[face] = kLeftOut;
   return turns;
 }
@@ -140,7 +145,8 @@ std::vector<uint32_t> facesAt(const PackedMesh& mesh, const PositionFilter& posi
   });
 }
 
-/// The double-sided faces and those that share an edge with them, and a few more, as a mesh of its own.
+/// The double-sided faces and those that share an edge with them, and a few more, as a mesh of its own. No
+/// face of it is repeated.
 struct Surroundings {
   Mesh mesh = {};
   DoubleSidedFaces doubleSided = {};
@@ -151,8 +157,11 @@ Surroundings surroundingsOf(const PackedMesh& mesh, const DoubleSidedFaces& doub
   for (const uint32_t face : doubleSided.firsts)
     for (int c = 0; c < 3; ++c) positions.add(mesh.vertices[mesh.triangles[face][c]]);
   Surroundings result{.doubleSided = doubleSided};
+  result.doubleSided.repeated.clear();
+  const Turns taken = withoutRepeated(doubleSided, mesh.triangles.size());
   std::vector<uint32_t> newIndex(mesh.triangles.size());
   for (const uint32_t f : facesAt(mesh, positions)) {
+    if (taken[f] == kLeftOut) continue;
     newIndex[f] = uint32_t(result.mesh.triangles.size());
     const auto first = uint32_t(result.mesh.vertices.size());
     for (int c = 0; c < 3; ++c) result.mesh.vertices.push_back(mesh.vertices[mesh.triangles[f][c]]);
@@ -174,6 +183,7 @@ DoubleSidedFaces withoutSheets(const PackedMesh& mesh, const DoubleSidedFaces& d
       surface.patches.count);  // Twice the area of the double-sided faces in each patch.
   for (const uint32_t face : near.doubleSided.firsts) areas[surface.patches.ids[face]] += surface.areas[face];
   DoubleSidedFaces kept;
+  kept.repeated = doubleSided.repeated;
   std::vector<uint32_t> newGroup(doubleSided.firsts.size(), UINT32_MAX);
   for (size_t g = 0; g < newGroup.size(); ++g) {
     const uint32_t patch = surface.patches.ids[near.doubleSided.firsts[g]];

@@ -39,13 +39,17 @@ struct OrientationSurface {
   Turns aligned() const;
 };
 
-/// Takes all faces.
-OrientationSurface takeAllFaces(const PackedMesh& mesh);
+/// Takes the faces that `given` takes as given.
+OrientationSurface takeAllFaces(const PackedMesh& mesh, Turns given);
 
 /// Takes one face of each double-sided group, whose given winding order does not count.
 OrientationSurface takeSingleFaces(const PackedMesh& mesh, const DoubleSidedFaces& doubleSided);
 
-/// Returns the turns that take the first face of each group as given and leave out the others.
+/// Returns the turns that leave out repeated faces.
+Turns withoutRepeated(const DoubleSidedFaces& doubleSided, size_t faceCount);
+
+/// Returns the turns that take the first face of each group as given, and leave out the others and repeated
+/// faces.
 Turns withoutOthers(const DoubleSidedFaces& doubleSided, size_t faceCount);
 
 /// Returns the turns that the first face of each group needs to stand for its whole group. It is left out

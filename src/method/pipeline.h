@@ -69,6 +69,7 @@ void describeMesh(B& backend, const Grid& grid, Stats& stats) {
   stats.misfit = sides.misfit;
   stats.turnedFaces = sides.turnedFaces();
   stats.leftOutFaces = sides.leftOutFaces();
+  stats.invertedParts = sides.invertedParts;
   stats.orientationFits = sides.fits;
   stats.patchTriangles = backend.patch().triangles.size();
   stats.patchArea = backend.patch().area() * grid.spacing * grid.spacing;

@@ -19,8 +19,10 @@ constexpr int kCoarsestLevel = 3;
 constexpr double kMostRimsPerSample = 8.0;
 /// With more rims, a look at the dipoles is faster.
 constexpr size_t kFewRims = 1536;
-/// With more rims, dipoles decide alone.
-constexpr size_t kMostRims = 4096;
+/// With more rims, all looks at the dipoles are faster.
+constexpr size_t kManyRims = 4096;
+/// With more rims, dipoles decide alone: a number takes about a millisecond from so many.
+constexpr size_t kMostRims = size_t{1} << 18;
 
 bool isInside(const PackedMesh& mesh, const Grid& grid) {
   const Box box = bounds(mesh);
@@ -131,10 +133,6 @@ size_t RimLattices::bytes() const {
   return sum;
 }
 
-bool RimLattices::needDipoles() const {
-  return !haveAll() && (rims.empty() || rims.size() > kFewRims);
-}
-
 int coarsestRimLevel(const glm::ivec3& dims) {
   return std::min(kCoarsestLevel, coarsestHarmonicLevel(dims));
 }
@@ -148,17 +146,19 @@ RimLattices findRimLattices(const PackedMesh& mesh, std::span<const RimEdge> edg
   size_t rimCount = 0;
   for (const RimEdge& edge : edges) rimCount += edge.times;
   RimLattices lattices;
-  const bool isExact = mode == SignMode::Exact;
-  if (!isExact && rimCount > kMostRims) return lattices;
-  lattices.rims = inCells(mesh, grid, edges);
+  if (rimCount <= kMostRims || mode == SignMode::Exact) lattices.rims = inCells(mesh, grid, edges);
   lattices.centre = centreOf(lattices.rims);
-  if (isExact)
+  if (mode == SignMode::Exact)
     lattices.computed = {allSamples(grid.dims, 0)};
-  else if (isInside(mesh, grid))
+  else if (rimCount <= kManyRims && isInside(mesh, grid))
     lattices.computed =
         chooseSamples(lattices.rims, grid.dims, kMostRimsPerSample * double(grid.sampleCount()));
-  // The dipoles then need less time, even if they look at every triangle.
-  if (!lattices.haveAll() && rimCount > mesh.triangles.size()) lattices.rims.clear();
+  if (lattices.haveAll()) return lattices;
+  // The rims of a soup are more than its triangles, and dipoles look at each of these at most.
+  if (rimCount > kManyRims || rimCount > mesh.triangles.size())
+    lattices.looks = kLooks;
+  else if (rimCount > kFewRims)
+    lattices.looks = kLooks - 1;
   return lattices;
 }
 

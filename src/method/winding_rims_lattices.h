@@ -8,6 +8,8 @@
 
 #include "mesh/packed_mesh.h"
 #include "mesh/rim_edges.h"
+#include "method/winding_dipoles_shared.h"
+#include "method/winding_doubts_shared.h"
 #include "method/winding_rims_shared.h"
 
 namespace raymap {
@@ -18,6 +20,7 @@ namespace raymap {
 struct RimLattices {
   std::vector<RimLine> rims;  ///< In cell units; empty if they are too many.
   glm::vec3 centre{0.0f};     ///< Centre of the rims' bounds, in cell units.
+  uint32_t looks = 0;         ///< Looks at the dipoles before rims decide near the threshold.
   /// Places in `rimDims`, x fastest, by level; the coarsest has all samples. Empty if it takes less time to
   /// fit the field to all crossings, or if the mesh reaches beyond the grid.
   std::vector<std::vector<uint32_t>> computed;
@@ -25,10 +28,8 @@ struct RimLattices {
   size_t bytes() const;
   /// Returns whether all numbers follow from rims.
   bool haveAll() const { return !computed.empty(); }
-  /// Returns whether dipoles decide signs near the threshold before rims do.
-  bool needDipoles() const;
-  /// Returns what numbers come from before rims decide: `kFromRims`, `kFromFit` or `kFromDipoles`.
-  uint32_t source() const { return haveAll() ? kFromRims : needDipoles() ? kFromDipoles : kFromFit; }
+  /// Returns what numbers come from before dipoles or rims decide: `kFromRims` or `kFromFit`.
+  uint32_t source() const { return haveAll() ? kFromRims : kFromFit; }
 };
 
 /// Returns whether a mode takes winding numbers from the crossings and the rims of a mesh.

@@ -7,7 +7,6 @@
 // 2^l-th sample of the grid, and ends with the first one at or beyond the grid's last.
 
 #include "base/shader_types.h"
-#include "method/winding_dipoles_shared.h"
 
 RAYMAP_SHARED_BEGIN(raymap)
 
@@ -39,20 +38,6 @@ RAYMAP_CONSTANT float kShareInDoubles = 0.0009765625f;
 // Numbers are whole multiples of one over this, so that rounding puts none that equals the threshold beyond
 // it.
 RAYMAP_CONSTANT float kRimUnits = 262144.0f;
-
-// Sources of the numbers before rims decide those near the threshold: interpolation between numbers that
-// follow from rims, the field that fits all crossings, or dipoles.
-RAYMAP_CONSTANT uint kFromRims = 0u;
-RAYMAP_CONSTANT uint kFromFit = 1u;
-RAYMAP_CONSTANT uint kFromDipoles = 2u;
-
-// Returns a bound on the error of such a number, at this distance from the surface in cells. No rim is closer
-// than the surface, and the error of interpolation falls with the square of the rim's distance.
-RAYMAP_FUNCTION float numberError(uint source, float distance) {
-  if (source == kFromFit) return latticeError(distance);
-  if (source == kFromDipoles) return kClose[kLooks - 2u];
-  return distance < 7.0f ? 0.08f : distance > 28.0f ? 0.005f : 4.0f / (distance * distance);
-}
 
 // Returns the number of a level's samples along each axis, of a grid with `dims`.
 RAYMAP_FUNCTION ivec3 rimDims(ivec3 dims, uint level) {

@@ -3,7 +3,8 @@
 // Two triangles.
 //
 // Precision: exact, on integers of up to 2^29.
-// Ties: none are broken. Triangles that touch, or lie in a common plane, do not cross.
+// Ties: none are broken. Triangles that touch, or lie in a common plane, do not cross. Those that only touch
+// do not overlap in their plane.
 
 #include <algorithm>
 #include <array>
@@ -49,6 +50,12 @@ class WholePlane {
   CornerSides sidesOf(const WholeTriangle& t, bool areSmall) const {
     return areSmall ? sidesOf<int64_t>(t) : sidesOf<Int128>(t);
   }
+  /// Returns the axis along which the triangle looks largest, or -1 if it has no area.
+  int steepestAxis() const {
+    const Point n = glm::abs(normal_);
+    if (n == Point(0)) return -1;
+    return n.x >= n.y && n.x >= n.z ? 0 : n.y >= n.z ? 1 : 2;
+  }
 
  private:
   using Point = glm::i64vec3;
@@ -73,12 +80,40 @@ inline WholeTriangle fromAlone(WholeTriangle t, const CornerSides& sides) {
   return t;
 }
 
+/// Returns whether the line from `a` to `b` has no corner of a triangle on its left, seen along an axis.
+/// `turn` is -1 if left is right.
+inline bool hasNoneOnLeft(const glm::ivec3& a, const glm::ivec3& b, const WholeTriangle& t, int axis,
+                          int64_t turn) {
+  const int u = (axis + 1) % 3, v = (axis + 2) % 3;
+  const int64_t x = int64_t{b[u]} - a[u], y = int64_t{b[v]} - a[v];
+  return std::ranges::all_of(t, [&](const glm::ivec3& p) {
+    return turn * (x * (int64_t{p[v]} - a[v]) - y * (int64_t{p[u]} - a[u])) <= 0;
+  });
+}
+
+/// Returns whether an edge of the first of two triangles in a common plane has the second one beside it.
+inline bool isBeside(const WholeTriangle& a, const WholeTriangle& b, int axis) {
+  const int64_t turn = hasNoneOnLeft(a[0], a[1], a, axis, 1) ? -1 : 1;
+  return hasNoneOnLeft(a[0], a[1], b, axis, turn) || hasNoneOnLeft(a[1], a[2], b, axis, turn) ||
+         hasNoneOnLeft(a[2], a[0], b, axis, turn);
+}
+
+/// Returns whether inner points of two triangles in a common plane coincide. `b` must have all corners in the
+/// plane of `a`.
+inline bool overlapInPlane(const WholeTriangle& a, const WholePlane& planeOfA, const WholeTriangle& b) {
+  const int axis = planeOfA.steepestAxis();
+  if (axis < 0 || WholePlane(b).steepestAxis() < 0) return false;
+  return !isBeside(a, b, axis) && !isBeside(b, a, axis);
+}
+
+/// How two triangles meet: inner points of both coincide, or none.
+enum class Meeting : uint8_t { None, Cross, InPlane };
+
 /// Returns whether inner points of both triangles coincide, except in a common plane. Each must reach through
 /// the other's plane, and their intervals on the planes' common line must overlap (Guigue & Devillers 2003).
-/// Triangles that share an edge do not reach through each other's planes.
-inline bool doCross(const WholeTriangle& a, const WholePlane& planeOfA, const WholeTriangle& b,
-                    bool areSmall) {
-  const CornerSides ofB = planeOfA.sidesOf(b, areSmall);
+/// Triangles that share an edge do not reach through each other's planes. `ofB` are the sides of the first
+/// one's plane on which the second one's corners lie.
+inline bool doCross(const WholeTriangle& a, const CornerSides& ofB, const WholeTriangle& b, bool areSmall) {
   if (!areOnBoth(ofB)) return false;
   const CornerSides ofA = WholePlane(b).sidesOf(a, areSmall);
   if (!areOnBoth(ofA)) return false;
@@ -87,6 +122,14 @@ inline bool doCross(const WholeTriangle& a, const WholePlane& planeOfA, const Wh
   if (aloneOn(ofA) < 0) std::swap(t, u);
   if (aloneOn(ofB) < 0) std::swap(q, r);
   return WholePlane({p, q, s}).sideOf<Int128>(t) < 0 && WholePlane({p, r, u}).sideOf<Int128>(s) < 0;
+}
+
+/// Returns how two triangles meet.
+inline Meeting meet(const WholeTriangle& a, const WholePlane& planeOfA, const WholeTriangle& b,
+                    bool areSmall) {
+  const CornerSides ofB = planeOfA.sidesOf(b, areSmall);
+  if (ofB == CornerSides{0, 0, 0}) return overlapInPlane(a, planeOfA, b) ? Meeting::InPlane : Meeting::None;
+  return doCross(a, ofB, b, areSmall) ? Meeting::Cross : Meeting::None;
 }
 
 }  // namespace raymap

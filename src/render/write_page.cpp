@@ -212,11 +212,22 @@ ShownField shownOn(const Grid& grid, const SparseField& band, const MachineOptio
   return {made, made, band.grid, &band};
 }
 
+std::string figure(double value) {
+  return numberText(value, 4);
+}
+
+/// Returns a coordinate in steps of a thousandth of the box's size, or finer.
+std::string coordinate(double value, const Grid& grid) {
+  const double extent = grid.spacing * std::max({grid.dims.x, grid.dims.y, grid.dims.z});
+  const double step = std::pow(10.0, std::floor(std::log10(extent)) - 3.0);
+  return numberText(std::round(value / step) * step + 0.0, 12);  // No -0.
+}
+
 /// Returns a table about a field. `shown` says what the page has of it, if that is not all.
 std::string figures(const std::string& title, const ShownField& of, const std::string& shown) {
   const Field& field = of.measured;
-  const auto vector = [](const glm::dvec3& v) {
-    return numberText(v.x) + ", " + numberText(v.y) + ", " + numberText(v.z);
+  const auto vector = [&of](const glm::dvec3& v) {
+    return coordinate(v.x, of.grid) + ", " + coordinate(v.y, of.grid) + ", " + coordinate(v.z, of.grid);
   };
   std::string rows;
   const auto add = [&](std::string_view name, const std::string& value) {
@@ -225,19 +236,19 @@ std::string figures(const std::string& title, const ShownField& of, const std::s
   const auto addRange = [&](std::string_view name, std::span<const float> numbers) {
     if (numbers.empty()) return;
     const auto [least, most] = std::ranges::minmax(numbers);
-    add(name, numberText(least) + " to " + numberText(most));
+    add(name, figure(least) + " to " + figure(most));
   };
   const auto inside = std::ranges::count_if(field.distance, [](float d) { return d < 0.0f; });
   add("Samples", dimsText(of.grid));
   if (!shown.empty()) add("In this page", shown);
-  add("Spacing", numberText(of.grid.spacing));
+  add("Spacing", figure(of.grid.spacing));
   add("Origin", vector(of.grid.origin));
   if (of.band)
     add("Narrow band",
-        numberText(-of.band->inside) + " to " + numberText(of.band->outside) + "; distances to its surface");
+        figure(-of.band->inside) + " to " + figure(of.band->outside) + "; distances to its surface");
   addRange("Distances", field.distance);
-  add("Inside", numberText(std::round(1e4 * double(inside) / double(field.distance.size())) / 100.0) + " %");
-  if (field.clampDistance > 0.0) add("Clamped to", "± " + numberText(field.clampDistance));
+  add("Inside", figure(std::round(1e4 * double(inside) / double(field.distance.size())) / 100.0) + " %");
+  if (field.clampDistance > 0.0) add("Clamped to", "± " + figure(field.clampDistance));
   addRange("Winding numbers", field.winding);
   addRange("Confidences", field.confidence);
   return "<table>" + (title.empty() ? "" : "<caption>" + escaped(title) + "</caption>") + rows + "</table>";
@@ -313,8 +324,7 @@ const char* firstColours(FieldArray array) {
 
 std::string figuresOfAll(const ShownField& first, const ShownField* second, const PageOptions& options) {
   const Grid& grid = first.shown.grid;
-  const std::string coarser =
-      first.grid == grid ? "" : dimsText(grid) + ", spacing " + numberText(grid.spacing);
+  const std::string coarser = first.grid == grid ? "" : dimsText(grid) + ", spacing " + figure(grid.spacing);
   if (!second) return figures("", first, coarser);
   return figures("A: " + options.title, first, coarser) +
          figures("B: " + options.otherTitle, *second, second->grid == grid ? "" : "sampled on the grid of A");
@@ -373,6 +383,7 @@ Page makeAny(const AnyField& field, const RenderOptions& view, const PageOptions
   PageOptions titled = options;
   if (titled.title.empty()) titled.title = "Field";
   if (titled.otherTitle.empty()) titled.otherTitle = "Other field";
+  for (std::string* text : {&titled.title, &titled.otherTitle}) *text = printableText(*text);
   Page page;
   withThreads(machine.threads, [&] {
     Field made, other;

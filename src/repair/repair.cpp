@@ -2,10 +2,10 @@
 #include <raymap/isosurface.h>
 #include <raymap/repair.h>
 #include <raymap/simplify.h>
-#include <raymap/thickness.h>
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <numeric>
 #include <string>
 
@@ -15,6 +15,7 @@
 #include "base/text.h"
 #include "cpu/points/close_distances.h"
 #include "mesh/compact.h"
+#include "mesh/pieces.h"
 #include "method/check_options.h"
 #include "method/stage_times.h"
 #include "repair/solid/deviation.h"
@@ -24,17 +25,13 @@
 #include "repair/solid/measure.h"
 #include "repair/solid/thin_parts.h"
 #include "repair/topology/drop_pieces.h"
-#include "repair/topology/fill_holes.h"
 #include "repair/topology/keep.h"
-#include "repair/topology/pieces.h"
+#include "repair/topology/mend.h"
+#include "repair/warnings.h"
 
 namespace raymap {
 
 namespace {
-
-// Samples along the longest side of a soup of faces. Its surface is mostly what closes the gaps.
-constexpr int kSoupResolution = 128;
-constexpr size_t kBytesPerSample = 64;  // Memory of a repair, which is at most about this much.
 
 /// Refuses options of a field that a solid leaves no place for.
 void check(const FieldOptions& options) {
@@ -58,6 +55,7 @@ void check(const Grid& grid, const RepairOptions& repair) {
                 numberText(2.0 * grid.spacing) + "); use more samples");
   };
   require(std::isfinite(repair.offset), "the offset must be finite");
+  require(std::isfinite(repair.base.value_or(0.0)), "the height of the base must be finite");
   require(repair.shell >= 0.0 && repair.drainHole >= 0.0, "walls and holes must not be negative");
   require(repair.drainHole == 0.0 || repair.shell > 0.0, "a drain hole needs a shell: a solid has no hollow");
   require(!repair.dropSmaller || (*repair.dropSmaller >= 0.0 && std::isfinite(*repair.dropSmaller)),
@@ -78,9 +76,21 @@ void check(const Grid& grid, const RepairOptions& repair) {
               numberText(2.0 * grid.spacing) + "); use a voxel size of at most " + numberText(0.5 * least));
 }
 
-/// Returns the solid with its surface moved by the offset.
-Field makeSolid(Given& given, Stats& stats) {
+/// Returns the faces that the field turns and those that were turned before it, but those that it turned
+/// back.
+std::vector<uint32_t> allTurned(const std::vector<uint32_t>& before, std::vector<uint32_t> byField,
+                                size_t faces) {
+  byField.erase(std::ranges::lower_bound(byField, uint32_t(faces)),
+                byField.end());  // Faces that close holes.
+  std::vector<uint32_t> all;
+  std::ranges::set_symmetric_difference(before, byField, std::back_inserter(all));
+  return all;
+}
+
+/// Returns the solid with its surface moved by the offset. `faces` is the number of those that were given.
+Field makeSolid(Given& given, size_t faces, Stats& stats) {
   auto [field, cost] = given.generateSolid();
+  cost.turnedFaces = allTurned(stats.turnedFaces, std::move(cost.turnedFaces), faces);
   stats = std::move(cost);
   for (float& d : field.distance) d = static_cast<float>(double(d) - given.repair.offset);
   return std::move(field);
@@ -104,10 +114,6 @@ bool asksForChange(const RepairOptions& repair) {
          repair.minThickness.value_or(0.0) > 0.0;
 }
 
-bool crossesNowhere(const SelfIntersections& crossing) {
-  return crossing.pairs == 0 && crossing.complete;
-}
-
 /// Simplifies a surface, at points `step` apart, within `tolerance` if nothing else is asked for.
 void simplifySurface(Mesh& surface, double step, double tolerance, const RepairOptions& repair,
                      const MachineOptions& machine, SimplifyReport& report) {
@@ -124,7 +130,7 @@ void simplifySurface(Mesh& surface, double step, double tolerance, const RepairO
 /// Keeps the faces of a mesh with nothing wrong.
 void keep(const PackedMesh& mesh, const RepairOptions& repair, const MachineOptions& machine,
           Repaired& repaired) {
-  if (!keepFaces(mesh, repair, machine.warn, repaired)) return;
+  keepFaces(mesh, repair, machine.warn, repaired);
   RepairReport& report = repaired.report;
   requireParts(repaired.mesh);
   if (repair.triangles > 0 ? repair.triangles < repaired.mesh.triangles.size()
@@ -132,35 +138,40 @@ void keep(const PackedMesh& mesh, const RepairOptions& repair, const MachineOpti
     simplifySurface(repaired.mesh, 0.0, 0.0, repair, machine, report.simplified);
   countPieces(repaired.mesh, report);
   if (repair.finish) repair.finish(repaired.mesh);
-  inspect(repaired.mesh, report.after, report.crossingAfter);
+  inspect(repaired.mesh, report.after, report.crossingAfter, report.arrangementAfter);
 }
 
-/// Keeps the faces of a mesh with nothing wrong but holes, and fills those, if that makes it right.
-void keepFilled(const PackedMesh& mesh, const RepairOptions& repair, const MachineOptions& machine,
-                Repaired& repaired) {
-  Mesh closed = weldedCopy(mesh);
-  const FilledHoles filled = fillHoles(closed);
-  if (filled.holes == 0 || !looksRight(diagnose(closed, {.brief = true})) ||
-      !crossesNowhere(findSelfIntersections(closed)))
-    return;
-  keep(closed, repair, machine, repaired);
-  repaired.report.partsOverlap = false;
-  if (!repaired.report.kept) return;
-  repaired.report.closedHoles = filled.holes;
-  repaired.report.closingFaces = filled.faces;
-}
-
-/// Finds what is wrong with the given mesh, and keeps its faces if that is nothing, or only holes.
-void inspectGiven(const PackedMesh& mesh, const RepairOptions& repair, const MachineOptions& machine,
-                  Repaired& repaired) {
-  const RepairReport& report = repaired.report;
-  if (asksForChange(repair) && !repair.measure) return;
-  inspect(mesh, repaired.report.before, repaired.report.crossingBefore);
-  if (asksForChange(repair) || !hasOnlyHoles(report.before) || !crossesNowhere(report.crossingBefore)) return;
-  if (looksRight(report.before))
+/// Finds what is wrong with the given mesh, and mends what is certain. Keeps its faces if nothing is wrong
+/// then. Returns the mended mesh.
+Mended inspectGiven(const PackedMesh& mesh, Orientation orientation, const RepairOptions& repair,
+                    const MachineOptions& machine, Repaired& repaired) {
+  RepairReport& report = repaired.report;
+  const bool mayKeep = !asksForChange(repair);
+  Diagnostics found;
+  SelfIntersections crossing;
+  Arrangement arrangement = Arrangement::Unknown;
+  if (mayKeep || repair.measure || repair.base) {
+    inspect(mesh, found, crossing, arrangement);
+    warnOfSheet(found, repair, machine.warn);
+  } else {
+    found = diagnose(mesh, {.brief = true});
+  }
+  const bool isRightButParts = mayKeep && looksRight(found) && crossesNowhere(crossing);
+  report.partsOverlap = isRightButParts && !isRight(arrangement);
+  Mended mended;
+  if (isRightButParts && !report.partsOverlap && !repair.base)
     keep(mesh, repair, machine, repaired);
-  else if (repair.closeHoles && !report.before.watertight)
-    keepFilled(mesh, repair, machine, repaired);
+  else if (!found.watertight || !found.consistentlyOriented || repair.base)
+    mended = mend(mesh, found, crossing, orientation, repair, mayKeep);
+  if (mended.isRight) keep(mended.mesh, repair, machine, repaired);
+  report.closedHoles = mended.filled.holes;
+  report.closingFaces = mended.filled.faces;
+  report.stats.turnedFaces = mended.turned;
+  if (!mayKeep && !repair.measure) return mended;
+  report.before = std::move(found);
+  report.crossingBefore = std::move(crossing);
+  report.arrangementBefore = arrangement;
+  return mended;
 }
 
 bool isChanged(const RepairReport& report) {
@@ -243,25 +254,6 @@ double leaveOutDropped(const Mesh& dropped, const Grid& grid, double offset, Pro
   return before > 0.0 ? area() / before : 1.0;
 }
 
-/// Warns of hollows and drain holes that were asked for but not made.
-void warnOfHoles(const RepairReport& report, const RepairOptions& repair, const WarningCallback& warn) {
-  if (const size_t filled = report.filledHollows; filled > 0)
-    warn({WarningCode::HollowsFilled,
-          std::to_string(filled) + (filled == 1 ? " hollow is" : " hollows are") +
-              " too small for the drain hole and stayed solid; use a smaller drain hole",
-          {.count = filled}});
-  else if (report.hollows == 0)
-    warn({WarningCode::NoHollow,
-          "the solid is nowhere thick enough for a hollow inside its walls, so it has none; use thinner "
-          "walls"});
-  if (repair.drainHole == 0.0) return;
-  if (const size_t asked = report.hollows * size_t(repair.drainHoles); report.holes < asked)
-    warn({WarningCode::DrainHolesMissing,
-          "only " + std::to_string(report.holes) + " of " + std::to_string(asked) +
-              " drain holes were made, because the level floors of the hollows have no place for more",
-          {.count = asked - report.holes}});
-}
-
 /// Hollows that a drain hole does not fit into stay solid: nothing could leave them.
 std::vector<DrainHole> hollow(Field& solid, const RepairOptions& repair, const WarningCallback& warn,
                               RepairReport& report) {
@@ -284,47 +276,25 @@ std::vector<DrainHole> hollow(Field& solid, const RepairOptions& repair, const W
 
 }  // namespace
 
-RepairGrid fitRepairGrid(const MeshView& mesh, const GridOptions& options, const RepairOptions& repair,
-                         const MachineOptions& machine) {
-  GridOptions covering = options;
-  covering.resolution = options.resolution.value_or(kRepairResolution);
-  covering.box.reset();
-  covering.dims.reset();
-  covering.thickness = std::max({2.0 * repair.offset, repair.minThickness.value_or(0.0), 0.0});
-  RepairGrid grid{fitGrid(mesh, covering)};
-  if (options.resolution || options.voxelSize > 0.0) return grid;
-  const Verdict verdict = judge(mesh, diagnose(mesh, {}, machine), {}, machine);
-  if (verdict.kind == MeshKind::Soup) {
-    covering.resolution = kSoupResolution;
-    return {fitGrid(mesh, covering)};
-  }
-  if (!verdict.voxelSize || *verdict.voxelSize >= grid.spacing) return grid;
-  grid.thinnest = verdict.thinnest;
-  covering.voxelSize = *verdict.voxelSize;
-  const glm::dvec3 dims = grid.spacing / covering.voxelSize * glm::dvec3(grid.dims);
-  const size_t memory = machine.memoryLimit > 0 ? machine.memoryLimit : SIZE_MAX;
-  if (dims.x * dims.y * dims.z <= double(std::min(memory / kBytesPerSample, kMostRepairSamples)))
-    static_cast<Grid&>(grid) = fitGrid(mesh, covering);
-  return grid;
-}
-
 Repaired repair(const MeshView& view, const Grid& grid, const FieldOptions& options,
                 const RepairOptions& repair, const MachineOptions& asked) {
   checkOptions(grid, options);
   check(options);
   check(grid, repair);
   MeshPacker packer;
-  const PackedMesh mesh = packer.pack(view);
+  const PackedMesh asGiven = packer.pack(view);
   Repaired repaired;
   Mesh& result = repaired.mesh;
   RepairReport& report = repaired.report;
+  bool isCut = false;
   MachineOptions machine = asked;
   machine.warn = [&](const Warning& warning) {
-    if (warning.code == WarningCode::NothingInside) return;  // Repair says itself what its fields lack.
+    // Repair says itself what its fields lack, and how far its result reaches.
+    isCut = isCut || warning.code == WarningCode::BoxReached;
+    if (warning.code == WarningCode::NothingInside || warning.code == WarningCode::BoxReached) return;
     report.warnings.push_back(warning);
     if (asked.warn) asked.warn(warning);
   };
-  Given given(mesh, grid, options, repair, machine);
   Progress progress(machine.progress);
   const auto stage = [&](const char* name, const auto& work) {
     progress.stage(name, [&] { withThreads(machine.threads, work); });
@@ -333,13 +303,19 @@ Repaired repair(const MeshView& view, const Grid& grid, const FieldOptions& opti
     addStages(progress, report.stats);
     return std::move(repaired);
   };
-  stage("inspect", [&] { inspectGiven(mesh, repair, machine, repaired); });
+  Mended mended;
+  stage("inspect", [&] { mended = inspectGiven(asGiven, options.orientation, repair, machine, repaired); });
   if (report.kept) return finish();
-  Field solid = makeSolid(given, report.stats);
+  const PackedMesh mesh = mended.isChanged() ? PackedMesh(mended.mesh) : asGiven;
+  Given given(mesh, grid, options, repair, machine);
+  Field solid = makeSolid(given, asGiven.triangles.size(), report.stats);
   report.leastThickness = leastThickness(repair, grid);
   if (report.leastThickness > 0.0) {
     stage("surface", [&] { given.surface(); });
-    stage("thicken", [&] { report.thickenedShare = thickenThinParts(given, solid, progress); });
+    Thickened thickened;
+    stage("thicken", [&] { thickened = thickenThinParts(given, solid, progress); });
+    report.thickenedShare = thickened.share;
+    warnOfThickened(mesh, thickened, repair, report.leastThickness, machine.warn);
   }
   if (std::ranges::none_of(solid.distance, [](float d) { return d < 0.0f; }))
     throw Error(ErrorCode::Input,
@@ -356,7 +332,9 @@ Repaired repair(const MeshView& view, const Grid& grid, const FieldOptions& opti
     if (isChanged(report)) stage("remake", [&] { solid = remade(result, given); });
     stage("hollow", [&] {
       holes = hollow(solid, repair, machine.warn, report);
-      result = isosurface(solid, {}, machine);
+      Mesh hollowed = isosurface(solid, {}, machine);
+      if (repair.keepCavities) warnOfLooseBodies(result, hollowed, machine.warn);
+      result = std::move(hollowed);
     });
   }
   solid = {};
@@ -364,6 +342,7 @@ Repaired repair(const MeshView& view, const Grid& grid, const FieldOptions& opti
     simplifySurface(result, grid.spacing, kDefaultTolerance * grid.spacing, repair, machine,
                     report.simplified);
   });
+  warnOfBounds(mesh, result, grid, repair, isCut, machine.warn);
   countPieces(result, report);
   if (repair.finish) repair.finish(result);
   if (!repair.measure) return finish();

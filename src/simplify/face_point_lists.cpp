@@ -16,8 +16,27 @@ constexpr double kSharp = 0.25;
 // A face with a longer side than so many steps has points besides its corners, on its edges too. Corners
 // alone cover the area of the others, of which the decimator wants a point for each two squares of a step.
 constexpr double kLarge = 1.25;
+constexpr double kMostOnFaces = 1e6, kMostOnFace = 32.0;
 
 }  // namespace
+
+FaceSums sumFaces(const PackedMesh& mesh) {
+  FaceSums sums;
+  for (const glm::uvec3& t : mesh.triangles) {
+    const glm::dvec3 a = mesh.position(t.x), b = mesh.position(t.y), c = mesh.position(t.z);
+    sums.area += triangleArea(a, b, c);
+    sums.sides += glm::distance(a, b) + glm::distance(b, c) + glm::distance(c, a);
+  }
+  return sums;
+}
+
+double boundedStep(const PackedMesh& mesh, double step) {
+  const FaceSums sums = sumFaces(mesh);
+  // A step s takes area / s² + sides / s points.
+  const double most = kMostOnFaces + kMostOnFace * double(mesh.triangles.size());
+  const double half = 0.5 * sums.sides / most;
+  return std::max(step, half + std::sqrt(half * half + sums.area / most));
+}
 
 FacePointLists::FacePointLists(const PackedMesh& given, const CollapsibleMesh& mesh, double step,
                                double tolerance)

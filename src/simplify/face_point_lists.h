@@ -8,6 +8,17 @@
 
 namespace raymap {
 
+/// Area of a mesh, and the length of all sides of its faces.
+struct FaceSums {
+  double area = 0.0, sides = 0.0;
+};
+FaceSums sumFaces(const PackedMesh& mesh);
+
+/// Returns the least distance between points, from `step` on, with which the faces of a mesh have at most a
+/// million points and 32 for each face, beside one each. A vertex far away would else give its faces
+/// billions.
+double boundedStep(const PackedMesh& mesh, double step);
+
 /// Points of a given mesh, and which of them are at each face of its simplification: its vertices, once they
 /// are removed, and points on its sharp edges and large faces. Threads may change the lists of different
 /// faces.

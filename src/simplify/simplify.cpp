@@ -38,6 +38,9 @@ constexpr double kLeastFactor = 1.5, kMostFactor = 16.0;
 // Distance between points that are measured, as a share of the mean edge of so many triangles. It is at least
 // the mean edge of the mesh: faces grow no larger than the area that their points cover.
 constexpr double kEdgeShare = 0.25;
+// Most such distances along the sides of a face, in the mean. Needles a million times as long as they are
+// wide have a small area and would else have a million points each.
+constexpr double kMostOnSides = 1000.0;
 
 /// Signed volumes of the closed parts of a mesh. Thin parts can turn inside out.
 class PartVolumes {
@@ -213,7 +216,7 @@ Simplified kept(const PackedMesh& mesh) {
 
 Simplified simplifyWithin(const PackedMesh& mesh, double tolerance, double step, Progress& progress) {
   Simplified result;
-  Simplifier(mesh, tolerance, step).run(progress, result);
+  Simplifier(mesh, tolerance, boundedStep(mesh, step)).run(progress, result);
   return result;
 }
 
@@ -228,12 +231,12 @@ class ToleranceSearch {
         step_(options.step) {
     const glm::dvec3 size = bounds(mesh).size();
     const double longest = std::max({size.x, size.y, size.z});
-    double area = 0.0;
-    for (const glm::uvec3& t : mesh.triangles)
-      area += triangleArea(mesh.position(t.x), mesh.position(t.y), mesh.position(t.z));
+    const auto [area, sides] = sumFaces(mesh);
     if (most_ == 0.0) most_ = longest;
     const double finest = std::min(aim_ / (kEdgeShare * kEdgeShare), double(mesh.triangles.size()));
-    if (step_ == 0.0) step_ = std::sqrt(4.0 / std::sqrt(3.0) * area / finest);
+    if (step_ == 0.0)
+      step_ = std::max(std::sqrt(4.0 / std::sqrt(3.0) * area / finest),
+                       sides / (kMostOnSides * double(mesh.triangles.size())));
     // Roughly right for a ball: half the tolerance leaves twice as many triangles.
     tolerance_ = std::min(area / (aim_ * longest), most_);
   }

@@ -10,6 +10,8 @@
 #include <utility>
 #include <vector>
 
+#include "testing/shapes.h"
+
 namespace raymap {
 
 inline Mesh keepTriangles(const Mesh& mesh, const std::function<bool(const glm::uvec3&)>& keep) {
@@ -35,6 +37,19 @@ inline Mesh withMissingFaces(const Mesh& mesh, double share, unsigned seed) {
   std::mt19937 random(seed);
   std::uniform_real_distribution<double> unit(0.0, 1.0);
   return keepTriangles(mesh, [&](const glm::uvec3&) { return unit(random) >= share; });
+}
+
+/// Returns spheres of radius 1 in nearly one place, each without a tenth of its faces.
+inline Mesh nearlyEqualShells(int count, int levels) {
+  Mesh shells;
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> shift(-0.004, 0.004);
+  for (int i = 0; i < count; ++i) {
+    const double x = shift(random), y = shift(random), z = shift(random);
+    shells =
+        shapes::joined(shells, withMissingFaces(shapes::sphere(1.0, levels, {x, y, z}), 0.1, unsigned(i)));
+  }
+  return shells;
 }
 
 inline Mesh withFlippedFaces(Mesh mesh, double share, unsigned seed) {

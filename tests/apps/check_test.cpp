@@ -28,9 +28,38 @@ TEST_F(CliCheck, TellsGoodFromBad) {
             0u)
       << bad.out;
   EXPECT_EQ(run("check crossing.ply").code, 11);
-  EXPECT_NE(succeed("check crossing.ply --fast").out.find("Faces that cross were not counted (--fast).\n"),
-            std::string::npos);
+  EXPECT_NE(succeed("check crossing.ply --fast").out.find("not looked for (--fast).\n"), std::string::npos);
   EXPECT_EQ(shell("cat torn.ply | $R check -").code, 11);
+}
+
+TEST_F(CliCheck, AgreesWithRepairOnHowPartsLie) {
+  const auto cube = [](double low, double high) { return shapes::box(glm::dvec3(low), glm::dvec3(high)); };
+  struct Case {
+    Mesh other;
+    const char *checked, *repaired;
+  };
+  const Case cases[] = {
+      {cube(2, 8), "bad, 2 closed parts, solids in solids: none faces inwards, as a cavity does.",
+       "parts of it face the wrong way"},
+      {shapes::inverted(cube(12, 18)),
+       "bad, 2 closed parts, some of which face the wrong way: ", "parts of it face the wrong way"},
+      {shapes::box({10, 2, 2}, {20, 8, 8}),
+       "bad, 2 closed parts that touch: 2 pairs of faces overlap in one plane.", "parts of it touch"},
+      {shapes::box({5, 0, 0}, {15, 10, 10}),
+       "bad, 2 closed parts that overlap: 12 pairs of faces overlap in one plane.", "parts of it overlap"},
+      {cube(5, 15), "bad, 2 closed parts that overlap: ", "parts of it overlap"},
+      {cube(12, 18), "good, 2 clean, separate solids, with nothing wrong.", "kept as it is"},
+      {shapes::inverted(cube(2, 8)), "good, a clean solid and a cavity ", "kept as it is"}};
+  for (const Case& each : cases) {
+    writeMesh(path("two.ply"), shapes::joined(cube(0, 10), each.other));
+    const std::string checked = run("check two.ply").out;
+    EXPECT_NE(checked.find(each.checked), std::string::npos) << checked;
+    const std::string info = succeed("info two.ply").out;
+    EXPECT_EQ(info.find("To make it a clean solid") == std::string::npos,
+              checked.starts_with("two.ply: good"));
+    const std::string repaired = run("repair two.ply -o one.ply --resolution 32").out;
+    EXPECT_NE(repaired.find(each.repaired), std::string::npos) << repaired;
+  }
 }
 
 TEST_F(CliCheck, ChecksTheOthersBesideAnError) {

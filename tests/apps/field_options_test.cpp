@@ -78,9 +78,10 @@ TEST_F(CliFieldOptions, NamesTheLineOfABadOffset) {
   };
   refuse("1 2 3\n\n4 5\n", ErrorCode::Input, "points.txt:3: 2 numbers; a line holds an offset x y z");
   refuse("1 2 3 4\n", ErrorCode::Input, "points.txt:1: 4 numbers");
-  refuse("1 2 3\n1 0.5 2\n", ErrorCode::Input, "points.txt:2: '0.5' is not a whole number of 32 bits");
-  refuse("1 2 3000000000\n", ErrorCode::Input, "points.txt:1: '3000000000' is not a whole number of 32 bits");
-  refuse("1, 2, 3\n", ErrorCode::Input, "points.txt:1: '1,'");
+  refuse("1 2 3\n1 0.5 2\n", ErrorCode::Input, "points.txt:2: number 2 is not a whole number of 32 bits");
+  refuse("1 2 3000000000\n", ErrorCode::Input, "points.txt:1: number 3 is not a whole number of 32 bits");
+  refuse("1, 2, 3\n", ErrorCode::Input, "points.txt:1: number 1 is not a whole number of 32 bits");
+  refuse(std::string(5000, 's') + "\n", ErrorCode::Input, "points.txt:1: number 1 is not");
   refuse("# nothing\n", ErrorCode::Input, "points.txt: it holds no offsets");
   expectFailure("generate torus.ply -o f.nrrd --sign paths --offsets no.txt", ErrorCode::File,
                 "no.txt: cannot be opened");

@@ -88,7 +88,24 @@ TEST_F(CliGenerate, StoresNumbersIn16Bits) {
   for (size_t s = 0; s < whole.distance.size(); ++s)
     ASSERT_NEAR(half.distance[s], whole.distance[s], 1.02 * whole.clampDistance / 65535.0) << s;
   EXPECT_FALSE(std::ranges::equal(half.distance, whole.distance));
-  expectFailure(generate + "half.nrrd --half", ErrorCode::Usage, "--half is for a .vdb or .nvdb");
+  expectFailure(
+      generate + "half.nrrd --half", ErrorCode::Usage,
+      "--half is for a .vdb, .nvdb, .npy or .npz, and half.nrrd is none: its format has no type for "
+      "numbers of 16 bits");
+  expectFailure(generate + "half.vti --half", ErrorCode::Usage, "half.vti is none");
+  succeed(generate + "half.npy --half --winding winding.vti");
+  EXPECT_EQ(std::filesystem::file_size(path("half.npy")), 128 + 2 * whole.distance.size());
+  EXPECT_EQ(readField(path("winding.vti")).winding.size(), whole.distance.size());
+}
+
+TEST_F(CliGenerate, AlignsSamples) {
+  writeTorus();
+  succeed("generate torus.ply -o a.npz --voxel-size 0.3 --align");
+  const Grid grid = readField(path("a.npz")).grid;
+  EXPECT_EQ(grid, fitGrid(readMesh(path("torus.ply")), {.voxelSize = 0.3, .align = true}));
+  EXPECT_EQ(std::remainder(grid.origin.x, 8 * 0.3), 0.0);
+  expectFailure("generate torus.ply -o b.npz --shape 9 9 9 --align", ErrorCode::Usage,
+                "--shape and --align cannot be used together");
 }
 
 // A field that does not fit into the memory allowed is written in slabs, and a run that failed is gone on
@@ -216,7 +233,7 @@ TEST_F(CliGenerate, ReportsStatistics) {
 TEST_F(CliGenerate, ShowsWhereTheTimeGoes) {
   writeTorus();
   std::istringstream out(
-      succeed("generate torus.ply -o torus.nrrd --resolution 40 --device cpu --stats stats.json").out);
+      run("generate torus.ply -o torus.nrrd --resolution 40 --device cpu --stats stats.json --verbose").out);
   std::vector<std::string> names;
   for (std::string line; std::getline(out, line);) {
     if (!line.starts_with("  ")) continue;
@@ -289,7 +306,8 @@ TEST_F(CliGenerate, MakesASolidOfADoubleSidedMesh) {
       succeed("generate ball.ply -o ball.nrrd --resolution 48 --device cpu --stats s.json --report r.json")
           .out;
   EXPECT_NE(text.find("10,240 double-sided faces"), std::string::npos) << text;
-  EXPECT_NE(text.find("bound a solid; 5,120 other sides left out\n"), std::string::npos) << text;
+  EXPECT_NE(text.find("orientation: left out 5,120 faces with the corners of another\n"), std::string::npos)
+      << text;
   EXPECT_EQ(json("s.json")["stats"]["left_out_faces"], faces);
   EXPECT_EQ(json("s.json")["stats"]["orientation_fits"], true);
   EXPECT_EQ(json("r.json")["stats"]["left_out_faces"], faces);
@@ -302,12 +320,37 @@ TEST_F(CliGenerate, MakesASolidOfADoubleSidedMesh) {
   EXPECT_EQ(json("s.json")["stats"]["left_out_faces"], 0);
   EXPECT_GT(least(path("kept.nrrd")), 0.0f);
   const std::string repaired = succeed("repair ball.ply -o solid.stl --resolution 64 --stats solid.json").out;
-  EXPECT_NE(repaired.find("5,120 other sides left out"), std::string::npos) << repaired;
+  EXPECT_NE(repaired.find("5,120 faces with the corners of another"), std::string::npos) << repaired;
   const Json solid = json("solid.json");
   EXPECT_EQ(solid["stats"]["left_out_faces"], faces);
   EXPECT_EQ(solid["stats"]["orientation_fits"], true);
   EXPECT_TRUE(solid["after"]["watertight"]);
   EXPECT_NEAR(solid["after"]["signed_volume"], 4.18879, 0.04);
+}
+
+TEST_F(CliGenerate, KeepsFiguresForExperts) {
+  writeTorus();
+  Mesh torn = readMesh(path("torus.ply"));
+  torn.triangles.resize(torn.triangles.size() - 40);
+  for (size_t t = 0; t < 200; ++t) std::swap(torn.triangles[t].x, torn.triangles[t].y);
+  writeMesh(path("torn.ply"), torn);
+  const std::string command = "generate torn.ply -o f.nrrd --resolution 24 --device cpu";
+  const std::string brief = run(command).out, full = run(command + " --verbose").out;
+  const std::string sure = run(command + " --confidence c.nrrd").out;
+  const std::string sign =
+      "\nsign: estimated at [0-9.]+ % of the samples, which see holes or contradicting faces";
+  EXPECT_TRUE(std::regex_search(brief, std::regex(sign + "; --confidence FILE writes how certain it is\n")))
+      << brief;
+  EXPECT_TRUE(std::regex_search(sure, std::regex(sign + "\n"))) << sure;
+  EXPECT_NE(brief.find("\norientation: reversed 200 faces that pointed the wrong way\n"), std::string::npos)
+      << brief;
+  for (const char* words :
+       {"  their six rays disagree\n", "  misfit of the crossings: ", "  exact_distance "}) {
+    EXPECT_EQ(brief.find(words), std::string::npos) << brief;
+    EXPECT_NE(full.find(words), std::string::npos) << full;
+  }
+  EXPECT_EQ(succeed("generate torus.ply -o g.nrrd --resolution 24 --device cpu").out.find("sign:"),
+            std::string::npos);
 }
 
 TEST_F(CliGenerate, SaysThatNoOrientationFits) {
@@ -317,7 +360,8 @@ TEST_F(CliGenerate, SaysThatNoOrientationFits) {
   writeMesh(path("fan.ply"), withFlippedFaces(fan, 0.5, 5));
   const std::string text =
       run("generate fan.ply -o fan.nrrd --resolution 40 --device cpu --stats s.json").err;
-  EXPECT_TRUE(text.starts_with("raymap: warning: no directions of the faces fit the crossings, misfit "))
+  EXPECT_TRUE(
+      text.starts_with("raymap: warning: the faces contradict each other, whichever way each of them"))
       << text;
   EXPECT_TRUE(text.ends_with("find out what is wrong with the mesh, and mend it (raymap info MESH)\n"))
       << text;

@@ -1,3 +1,7 @@
+#include <algorithm>
+#include <array>
+#include <cstdio>
+
 #include "cli.h"
 #include "fill.h"
 #include "shapes.h"
@@ -64,18 +68,18 @@ TEST_F(CliInfo, EndsInformationWithAVerdict) {
             "chooses what keeps it, --voxel-size 0.02: 600 x 600 x 102 samples.\n");
   EXPECT_EQ(slab(0.001),
             "This is a clean solid, with nothing wrong.\nIts thinnest part is about 0.001 thick. To "
-            "keep it as it is would take --voxel-size 0.0005: 24,000 x 24,000 x 4,003 samples. A repair "
+            "keep it as it is would take --voxel-size 0.0005: 24,000 x 24,000 x 4,002 samples. A repair "
             "takes 256 samples, and makes what is thinner 0.082 thick.\n");
   EXPECT_EQ(verdict(two, " --fast"),
-            "This is 2 clean, separate solids, with nothing wrong. Faces that cross were not counted "
-            "(--fast).\n");
+            "This is 2 clean, separate solids, with nothing wrong. Faces that cross and parts that overlap "
+            "were not looked for (--fast).\n");
   Mesh torn = torus;
   torn.triangles.pop_back();
   std::swap(torn.triangles[9].x, torn.triangles[9].y);
   EXPECT_TRUE(verdict(torn, "").starts_with(
       "This is a solid with holes, as scans have: 1 hole, 0.507 wide. It also has "))
       << verdict(torn, "");
-  EXPECT_NE(verdict(torn, "").find("It also has 1 turned face.\n"), std::string::npos);
+  EXPECT_NE(verdict(torn, "").find("It also has 1 reversed face.\n"), std::string::npos);
   Mesh square;
   square.vertices = {{0, 0, 0}, {10, 0, 0}, {10, 10, 0}, {0, 10, 0}};
   square.triangles = {{0, 1, 2}, {0, 2, 3}};
@@ -84,8 +88,21 @@ TEST_F(CliInfo, EndsInformationWithAVerdict) {
   ASSERT_NE(command, std::string::npos) << sheet;
   EXPECT_EQ(sheet.substr(command),
             "raymap mesh 'a mesh.ply' -o 'a mesh.solid.ply' --thickness 0.2 --voxel-size 0.05\n");
+  EXPECT_NE(sheet.find("raymap repair 'a mesh.ply' -o 'a mesh.solid.ply' --base Z\n"), std::string::npos);
   succeed(sheet.substr(command + 7, sheet.size() - command - 8) + " --device cpu");
   EXPECT_NEAR(diagnose(readMesh(path("a mesh.solid.ply"))).signedVolume, 20.0, 2.0);
+}
+
+TEST_F(CliInfo, NamesTheGridThatARepairTakes) {
+  writeMesh(path("soup.ply"), shapes::joined(shapes::soup(30, 1), shapes::box({0, 0, 0}, {0.5, 0.5, 0.002})));
+  const std::string text = succeed("info soup.ply").out;
+  ASSERT_NE(text.find("a soup of faces"), std::string::npos) << text;
+  const RepairGrid grid = fitRepairGrid(readMesh(path("soup.ply")));
+  EXPECT_EQ(std::max({grid.dims.x, grid.dims.y, grid.dims.z}), 128);
+  std::array<char, 120> said{};
+  std::snprintf(said.data(), said.size(), "A repair takes 128 samples, and makes what is thinner %.3g thick.",
+                1.75 * grid.spacing);
+  EXPECT_NE(text.find(said.data()), std::string::npos) << text << said.data();
 }
 
 TEST_F(CliInfo, TellsTheUnit) {

@@ -24,6 +24,17 @@ TEST(Memory, DefaultFieldStaysLean) {
   EXPECT_LE(run.peakBytes, 24 * samples + 200 * mesh.triangles.size());
 }
 
+TEST(Memory, AFarVertexTakesNoMorePointsOfASimplification) {
+  const TemporaryFolder folder;
+  const std::string far = folder.path() / "far.ply", fewer = folder.path() / "fewer.ply";
+  Mesh mesh = shapes::box({0, 0, 0}, {1, 1, 1});
+  mesh.vertices[6].z = 1e19f;
+  writeMesh(far, mesh);
+  const ProgramRun run = runProgram({RAYMAP_BINARY, "simplify", far, "-o", fewer, "--tolerance", "0.05"});
+  EXPECT_EQ(run.code, 0) << run.error;
+  EXPECT_LE(run.peakBytes, size_t{300} << 20);
+}
+
 }  // namespace
 
 }  // namespace raymap

@@ -65,7 +65,7 @@ TEST_F(CliOptions, AreDescribedAlikeInEveryCommand) {
   for (const std::string& command : all)
     for (const auto& [option, text] : entries(command)) {
       const auto [same, isNew] = known.emplace(option, text);
-      EXPECT_EQ(same->second, text) << command;
+      EXPECT_TRUE(same->second == text || option == "--output") << command << text;
       users[option].insert(command);
     }
   EXPECT_GT(known.size(), 60u);
@@ -96,6 +96,46 @@ TEST_F(CliOptions, AreDescribedAlikeInEveryCommand) {
   expectIn("--quiet", {all.begin(), all.end()});
   expectIn("--verbose", {all.begin(), all.end()});
   expectIn("--progress", {all.begin(), all.end()});
+}
+
+TEST_F(CliOptions, SayWhatEachCommandWrites) {
+  const std::string meshes = "Mesh to write: .ply, .obj, .stl, .glb or .3mf";
+  const std::map<std::string, std::string> texts{
+      {"generate", "Field to write: .nrrd, .npy, .npz, .vti, .vdb or .nvdb"},
+      {"query", "Results to write: .csv, .npy, .npz or .ply"},
+      {"sample", "Points to write: .npz, .csv or .ply"},
+      {"mesh", meshes},
+      {"repair", meshes},
+      {"simplify", meshes},
+      {"render", "Picture to write: .png; or a page: .html; of --frames, also a movie: .mp4"},
+      {"compare", "Picture of the differences to write: .png"},
+      {"convert",
+       "File to write. Of a field: .nrrd, .npy, .npz, .vti, .vdb or .nvdb. Of a mesh: .ply, .obj, .stl, .glb "
+       "or .3mf"},
+      {"example", "Mesh to write: .ply"},
+      {"completion", "Script to write; without it, it is printed"},
+      {"manual", "Page to write; without it, it is printed. In a folder it is raymap.1 or raymap-COMMAND.1"}};
+  size_t count = 0;
+  for (const std::string& command : commands()) {
+    const auto all = entries(command);
+    const auto output = all.find("--output");
+    EXPECT_EQ(output != all.end(), texts.contains(command)) << command;
+    if (output == all.end()) continue;
+    const std::string name = "  -o, --output, --out FILE", blanks(30 - name.size(), ' ');
+    EXPECT_EQ(output->second.rfind(name + blanks + texts.at(command), 0), 0u) << output->second;
+    EXPECT_EQ(output->second.size() == 30 + texts.at(command).size(), command != "manual") << output->second;
+    ++count;
+  }
+  EXPECT_EQ(count, texts.size());
+}
+
+TEST_F(CliOptions, ShowAllSpellingsShortOnesFirst) {
+  const std::string help = run("generate --help", "COLUMNS=2000").out;
+  for (const char* names :
+       {"\n  -r, --resolution, --res N  ", "\n  --voxel-size, --voxel, --spacing LENGTH\n",
+        "\n  -f, --overwrite, --force    ", "\n  -j, --threads, --jobs N     ",
+        "\n  --close-holes, --no-close-holes, --fill-holes, --no-fill-holes\n", "\n  -v, --verbose   "})
+    EXPECT_NE(help.find(names), std::string::npos) << names << help;
 }
 
 TEST_F(CliOptions, AreListedInTheDocs) {
@@ -142,6 +182,16 @@ TEST_F(CliOptions, AreUnderstoodOrNamed) {
       {"generate torus.ply -o o.nrrd --bounds -4 -3 -1 4 3", "--bounds takes 6 numbers, and here are 5"},
       {"generate torus.ply -o o.nrrd --dry-run", "raymap info MESH says what is wrong and what to do"},
       {"generate torus.ply -o o.nrrd --resolutoin 8", "did you mean --resolution?"},
+      {"generate torus.ply -o o.nrrd --siz 8", "not understood: --siz; see raymap generate --help\n"},
+      {"generate torus.ply -o o.nrrd --fsp 8", "did you mean --fps?"},
+      {"generate torus.ply -o o.nrrd --foo 8", "not understood: --foo; see raymap generate --help\n"},
+      {"generate torus.ply -o o.nrrd --grd 8", "not understood: --grd; see raymap generate --help\n"},
+      {"generate torus.ply -o o.vdb --half-width 3", "--half-width; --band SAMPLES of generate clamps"},
+      {"generate torus.ply -o o.vdb --exterior-band 3", "--exterior-band; --band SAMPLES of generate clamps"},
+      {"generate torus.ply -o o.vdb --background 3", "--band SAMPLES of generate: the background of a .vdb"},
+      {"convert torus.ply -o o.vdb --name s", "--grid-name NAME of generate and convert names the grid"},
+      {"mend torus.ply", "unknown command 'mend'; use one of: generate"},
+      {"viw torus.ply", "unknown command 'viw'; did you mean view?"},
       {"generate torus.ply -o o.nrrd -q --dims 8 8 8", ""},
       {"generate torus.ply -o o.nrrd --cube", "--shape N N N makes N samples along every side"},
       {"generate torus.ply -o o.nrrd --gpu", "--device vulkan computes on a GPU"},
@@ -267,8 +317,53 @@ TEST_F(CliOptions, AreOnManPages) {
       EXPECT_TRUE(option == "--help" || page.find(name) != std::string::npos) << option;
     }
   }
+  EXPECT_NE(succeed("manual repair").out.find("\n.B \\-r, \\-\\-resolution, \\-\\-res N\n"),
+            std::string::npos);
+  EXPECT_NE(succeed("manual repair")
+                .out.find("\n.TP\n.B \\-o, \\-\\-output, \\-\\-out FILE\nMesh to write: .ply, "),
+            std::string::npos);
   EXPECT_EQ(shell("command -v groff || exit 0; $R manual repair | groff -man -Tutf8 -ww -z").err, "");
   expectFailure("manual paint", ErrorCode::Usage, "there is no command paint");
+}
+
+TEST_F(CliOptions, HaveAManPageOfEveryCommandInAFolder) {
+  fs::create_directory(path("man1"));
+  const Result all = succeed("manual -o man1");
+  EXPECT_EQ(all.out.rfind("wrote man1/raymap.1, ", 0), 0u) << all.out;
+  EXPECT_EQ(readBytes(path("man1/raymap.1")), succeed("manual").out);
+  size_t count = 1;
+  for (const std::string& command : commands()) {
+    EXPECT_EQ(readBytes(path("man1/raymap-" + command + ".1")), succeed("manual " + command).out);
+    ++count;
+  }
+  EXPECT_EQ(
+      static_cast<size_t>(std::distance(fs::directory_iterator(path("man1")), fs::directory_iterator())),
+      count);
+  fs::create_directory(path("one"));
+  EXPECT_EQ(succeed("manual check -q -o one").out, "");
+  EXPECT_EQ(readBytes(path("one/raymap-check.1")), readBytes(path("man1/raymap-check.1")));
+  EXPECT_EQ(std::distance(fs::directory_iterator(path("one")), fs::directory_iterator()), 1);
+}
+
+TEST_F(CliOptions, WrapParagraphsAsOne) {
+  const auto below = [&](int width) {
+    const std::string help = run("check --help", "COLUMNS=" + std::to_string(width)).out;
+    return help.substr(help.find("Examples:"));
+  };
+  const std::string example = "  raymap check part.stl && echo 'ready to print'\n";
+  const std::string wide = below(400);
+  EXPECT_EQ(wide.rfind("Examples:\n" + example, 0), 0u) << wide;
+  const std::string paragraph = wide.substr(wide.find("\n\nGood is") + 2);
+  EXPECT_EQ(std::ranges::count(paragraph, '\n'), 1) << paragraph;
+  const std::string narrow = below(60);
+  std::istringstream lines(narrow.substr(narrow.find("\n\nGood is") + 2));
+  std::string joined;
+  for (std::string line, last; std::getline(lines, line); last = line) {
+    EXPECT_LE(line.size(), 60u);
+    EXPECT_TRUE(last.empty() || last.size() + 1 + line.find(' ') > 60u) << last;
+    joined += line + " ";
+  }
+  EXPECT_EQ(joined.substr(0, joined.size() - 1) + "\n", paragraph);
 }
 
 class CliUnits : public Cli {};
@@ -302,7 +397,8 @@ TEST_F(CliUnits, AreConvertedInEveryCommand) {
                 "--to mm: box.stl does not state its unit; add --from");
   expectFailure("convert box.stl a.stl --unit mm --to mm", ErrorCode::Usage, "cannot be used together");
   EXPECT_NE(succeed("convert box.stl a.3mf --unit in")
-                .out.find("does not state its unit: its numbers are taken to be in in"),
+                .out.find("does not state its unit: its numbers are taken as inches (in), and stay; "
+                          "--from U --to in converts them from U\n"),
             std::string::npos);
 }
 

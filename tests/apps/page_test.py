@@ -63,6 +63,18 @@ return found;
 """
 
 
+# Presses the key F on a page, and returns the colours of the right column and the top row of what it draws first.
+COARSE_EDGES = """
+const done = arguments[0], canvas = document.getElementById("canvas"), { width, height } = canvas;
+document.dispatchEvent(new KeyboardEvent("keydown", { key: "f", bubbles: true }));
+requestAnimationFrame(() => requestAnimationFrame(() => {
+  const copy = Object.assign(document.createElement("canvas"), { width, height }).getContext("2d");
+  copy.drawImage(canvas, 0, 0);
+  done([document.body.dataset.drawn, ...copy.getImageData(width - 1, 0, 1, height).data, ...copy.getImageData(0, 0, width, 1).data]);
+}));
+"""
+
+
 def colour_at(stops, value):
     """Returns the colour of a value as the page mixes it, 0 to 255."""
     colour = stops[0][1:]
@@ -242,6 +254,65 @@ class Page(unittest.TestCase):
         browser.wait()
         self.assertEqual(browser.canvas(), first)
 
+    def test_a_coarse_picture_has_no_stale_edges(self):
+        browser = self.canvas(self.page())
+        browser.run("""for (let i = 0; i < 14; ++i)  // The shape, which is brown, fills the canvas.
+          document.dispatchEvent(new KeyboardEvent("keydown", { key: "+" }));""")
+        browser.wait()
+        drawn, *edges = browser.run_async(COARSE_EDGES)
+        self.assertEqual(drawn, "no")
+        ground = [(red, blue) for red, blue in zip(edges[::4], edges[2::4])]
+        self.assertEqual(len(ground), sum(SIZE))
+        self.assertEqual([(red, blue) for red, blue in ground if red > blue], [])  # The ground is white to blue.
+
+    def legend(self, browser):
+        """Returns the texts of the colour bar, and the shares of its width at which its marks stand."""
+        return browser.run("""const marks = [...document.querySelectorAll("#levels span")];
+          const texts = ["least", "leastSide", "mostSide", "most", "meaning"].map(id => document.getElementById(id).textContent);
+          return [texts, marks.map(mark => mark.textContent), marks.map(mark => parseFloat(mark.style.left) / 100)];""")
+
+    def test_marks_zero_inside_and_outside_on_the_colour_bar(self):
+        browser, data = self.of_mesh("--cut")
+        (least, *sides, most, meaning), marks, places = self.legend(browser)
+        self.assertEqual((sides, marks, meaning), (["inside", "outside"], ["0"], ""))
+        self.assertAlmostEqual(places[0], float(least) / (float(least) - float(most)), delta=1e-3)
+        browser.set("cut", "")
+        self.assertEqual(self.legend(browser)[0][-1], "A cut or a slice shows these colours.")
+        browser.set("slice", "y")
+        self.assertEqual(self.legend(browser)[0][-1], "")
+        browser.set("colours", 1)  # Winding numbers, from below 0.5 to above.
+        (_, *sides, _, _), marks, places = self.legend(browser)
+        self.assertEqual((sides, marks), (["outside", "inside"], ["0.5"]))
+        browser.set("colours", 2)  # Confidences colour the surface too.
+        browser.set("slice", "")
+        (_, *sides, _, meaning), marks, _ = self.legend(browser)
+        self.assertEqual((sides, marks, meaning), (["", ""], [], ""))
+
+    def test_marks_a_picture_that_is_still_refining(self):
+        browser = self.canvas(self.page())
+        look = """document.body.dataset.drawn = arguments[0];
+          const busy = document.getElementById("busy");
+          busy.style.transition = "none";
+          return [getComputedStyle(busy).visibility, busy.textContent, busy.style.getPropertyValue("--share") > 0.96];"""
+        self.assertEqual(browser.run(look, "yes"), ["hidden", "refining", True])
+        self.assertEqual(browser.run(look, "no"), ["visible", "refining", True])
+
+    def test_figures_have_four_digits(self):
+        self.raymap("convert", "field.nrrd", "-o", "far.nrrd", "--translate", "100000.03", "0.123456789", "0")
+        page = self.raymap("render", "far.nrrd", "-o", "far_away.html", "--size", "64", "48")
+        rows = dict(re.findall("<th>(.*?)</th><td>(.*?)</td>", page.read_text()))
+        for name in ("Spacing", "Distances", "Inside"):
+            for figure in re.findall(r"[\d.]+", rows[name]):
+                self.assertLessEqual(len(figure.replace(".", "").lstrip("0")), 4, (name, rows[name]))
+        origin = [float(value) for value in rows["Origin"].split(", ")]  # In steps of 0.001, as the box is 5 across.
+        for value in origin:
+            self.assertRegex(str(value), r"^-?\d+(\.\d{1,3})?$")
+        self.assertTrue(99990 < origin[0] < 100000, origin)
+        browser = self.canvas(page)
+        for text, *_ in browser.run(READ_OFF):
+            for value in re.findall(r"[\d.e-]+", text.partition(")")[0]):
+                self.assertRegex(value, r"^-?\d+(\.\d{1,3})?$")
+
     def test_reads_off_positions_and_distances(self):
         browser = self.canvas(self.page())
         browser.set("slice", "z")
@@ -334,6 +405,14 @@ class Page(unittest.TestCase):
         browser.post(f"/element/{summary}/click", {})
         buttons = browser.post(f"/element/{details}/elements", {"using": "css selector", "value": "button"})
         self.assertEqual(len(buttons), min(holes["places"], 100))
+        # They look like what one can click, and the list ends in whole lines wherever it is scrolled to.
+        height, row, cursor, sign, snap = browser.run("""const list = document.querySelector("#defects ol");
+          const [item, button] = ["li", "button"].map(kind => list.querySelector(kind));
+          list.scrollTop = 0.4 * item.offsetHeight;
+          return [list.clientHeight, item.offsetHeight, getComputedStyle(button).cursor,
+            getComputedStyle(button, "::after").content, getComputedStyle(list).scrollSnapType];""")
+        self.assertEqual((height % row, cursor, sign, snap), (0, "pointer", '"›"', "y mandatory"))
+        self.assertGreater(len(buttons), height // row)
         seen = {first}
         for button in buttons[:2]:
             browser.post(f"/element/{button[ELEMENT]}/click", {})

@@ -41,6 +41,32 @@ TEST_F(CliQuery, MeasuresPointsWithoutASign) {
   EXPECT_EQ(json("s.json")["stats"]["doubtful_share"], 0.0);
 }
 
+TEST_F(CliQuery, CountsAnswersThatAreClamped) {
+  writeMesh(path("box.ply"), shapes::box(glm::dvec3(0.0), glm::dvec3(8.0)));
+  // Two points beyond the band, one of them inside, one in the band, one on it, one outside of the grid.
+  std::ofstream(path("p.csv")) << "4,4,4\n4,4,10.5\n4,4,8.5\n4,4,8\n4,4,99\n";
+  const std::string grid = " --voxel-size 1 --bounds -4 -4 -4 12 12 12 --device cpu -q";
+  const auto clamped = [&](const std::string& file, const std::string& band) {
+    succeed("generate box.ply -o " + file + grid + band);
+    const Result result = run("query " + file + " p.csv -o r.csv --stats s.json");
+    const std::string text =
+        "p.csv: " + std::to_string(json("s.json")["points"]["clamped"].get<int>()) +
+        " of 5 points are beyond the distance to which the field is clamped; their distances "
+        "are lower bounds. A field with a wider band, or the mesh itself, has the true ones\n";
+    EXPECT_EQ(result.err.find(text) != std::string::npos, json("s.json")["points"]["clamped"] > 1)
+        << result.err;
+    EXPECT_EQ(json("s.json")["points"]["outside"], 1);
+    return json("s.json")["points"]["clamped"].get<int>();
+  };
+  for (const std::string file : {"f.npz", "f.vdb", "f.nrrd"})
+    EXPECT_EQ(clamped(file, " --band 2"), 2) << file;
+  EXPECT_EQ(clamped("f.npz", " --band 3"), 1);  // Deep inside.
+  EXPECT_NE(run("query f.npz p.csv -o r.csv").err.find("1 of 5 points is beyond the distance to which"),
+            std::string::npos);
+  EXPECT_EQ(clamped("g.npz", ""), 0);
+  EXPECT_EQ(clamped("g.vdb", " --band 9"), 0);
+}
+
 TEST_F(CliQuery, ColoursAPointCloud) {
   writeTorus();
   succeed("query torus.ply torus.ply -o r.ply --colour");
@@ -106,9 +132,11 @@ TEST_F(CliQuery, SamplesFields) {
 
 TEST_F(CliQuery, RefusesWhatAFieldLacks) {
   writeTorus();
-  succeed("generate torus.ply -o t.npz --resolution 8");
+  succeed("generate torus.ply -o t.npz --winding w.npz --resolution 8");
   std::ofstream(path("p.csv")) << "0,0,0\n";
   const auto usage = ErrorCode::Usage;
+  for (const char* command : {"query w.npz p.csv -o r.csv", "mesh w.npz -o r.ply"})
+    expectFailure(command, usage, "w.npz: it holds the array 'winding', and no distances");
   expectFailure("query t.npz p.csv -o r.csv --arrays closest", usage,
                 "the array closest is one of meshes, and t.npz is a field");
   for (const char* option : {"--unsigned", "--threshold 0.4", "--orientation keep", "--max-distance 1"})
@@ -119,7 +147,7 @@ TEST_F(CliQuery, RefusesWhatAFieldLacks) {
   expectFailure("query t.npz p.csv -o r.npy --arrays distance,gradient", usage, "a .npy holds one array");
   expectFailure("query t.npz p.csv -o r.csv --memory-limit 100B", ErrorCode::Memory,
                 "of --memory-limit are left for it");
-  EXPECT_EQ(fileCount(), 3u);
+  EXPECT_EQ(fileCount(), 4u);
 }
 
 TEST_F(CliQuery, AnswersNoPoints) {

@@ -199,6 +199,38 @@ TEST_F(CliSequence, SaysWhatIsWrong) {
   EXPECT_EQ(fileCount(), 4u);
 }
 
+TEST_F(CliSequence, TakesTheNamesOfOtherPrograms) {
+  writeNumbered();
+  for (const char* name : {"a.$F4.npz", "b.####.npz", "c.%04d.npz"})
+    succeed("generate t%d.ply --frames 3:3 --resolution 24 --device cpu -o '" + std::string(name) + "'");
+  for (const char* name : {"a.0003.npz", "b.0003.npz", "c.0003.npz"})
+    EXPECT_TRUE(std::filesystem::exists(path(name)));
+  for (const char* name : {"$F-#.%d.npz", "#-$F.npz", "#.npz"})
+    succeed("generate 't$F.ply' --frames 4:4 --resolution 24 --device cpu -o '" + std::string(name) + "'");
+  for (const char* name : {"$F-#.4.npz", "#-4.npz", "4.npz"})
+    EXPECT_TRUE(std::filesystem::exists(path(name)));
+  succeed("generate 't#.ply' --frames 3:5 --resolution 24 --device cpu -o 'long##.npz'");
+  EXPECT_TRUE(std::filesystem::exists(path("long05.npz")));
+  for (const char* name : {"#.#.npz", "$F.$F4.npz", "%d.%04d.npz", "%d%.npz", "%5d.npz", "plain.npz"})
+    expectFailure("generate t%d.ply --frames 3:3 -o '" + std::string(name) + "'", ErrorCode::Usage,
+                  "with --frames a name holds the number of the frame once, as %d, %04d, $F4 or ####");
+}
+
+TEST_F(CliSequence, StartsAtAnyFrame) {
+  writeTori();
+  const std::string make =
+      "generate torus.glb --clip slide --resolution 12 --device cpu --bounds -4 -4 -4 9 4 4 ";
+  succeed(make + "--frames 6:18:12 -o a%d.npz");
+  const Result moved = run(make + "--frames 1007:1031:12 --start-frame 1001 -o b%d.npz");
+  for (const int frame : {6, 18})
+    EXPECT_TRUE(std::ranges::equal(readField(path("a" + std::to_string(frame) + ".npz")).distance,
+                                   readField(path("b" + std::to_string(frame + 1001) + ".npz")).distance));
+  EXPECT_NE(moved.err.find("the clip ends with frame 1025"), std::string::npos) << moved.err;
+  writeNumbered();
+  expectFailure("generate t%d.ply --frames 3:5 --start-frame 3 -o c%d.npz", ErrorCode::Usage,
+                "--start-frame is for an animated .gltf or .glb; leave it out for numbered files");
+}
+
 TEST_F(CliSequence, NamesTheFrameThatGrowsBeyondAllNumbers) {
   writeTori(3e38F);
   expectFailure("render torus.glb --frames 0:24:24 --clip swell -o t%d.png", ErrorCode::Input,

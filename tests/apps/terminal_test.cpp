@@ -21,6 +21,23 @@ TEST_F(CliTerminal, WritesNamesThatAreNoText) {
   EXPECT_EQ(json("s.json")["points"]["file"], "t\xef\xbf\xbd.ply");
 }
 
+TEST_F(CliTerminal, EscapesWhatTurnsText) {
+  // Each escaped character stands between neighbours that are shown.
+  const std::string err =
+      shell(
+          "$R info $'"
+          "\\xc2\\x80\\xc2\\xa0\\xd8\\x9b\\xd8\\x9c\\xd8\\x9d\\xe2\\x80\\x8d\\xe2\\x80\\x8e\\xe2\\x80\\x90"
+          "\\xe2\\x80\\xa7\\xe2\\x80\\xa8\\xe2\\x80\\xae\\xe2\\x80\\xaf\\xe2\\x81\\xa5\\xe2\\x81\\xa6\\xe2\\x"
+          "81\\xa9"
+          "\\xe2\\x81\\xaa\\x9b\\xf0\\x9f\\x98\\x80.ply'")
+          .err;
+  const std::string shown =
+      "\\xc2\\x80\xc2\xa0\xd8\x9b\\xd8\\x9c\xd8\x9d\xe2\x80\x8d\\xe2\\x80\\x8e\xe2\x80\x90"
+      "\xe2\x80\xa7\\xe2\\x80\\xa8\\xe2\\x80\\xae\xe2\x80\xaf\xe2\x81\xa5\\xe2\\x81\\xa6\\xe2\\x81\\xa9"
+      "\xe2\x81\xaa\\x9b\xf0\x9f\x98\x80.ply";
+  EXPECT_NE(err.find(shown), std::string::npos) << err;
+}
+
 TEST_F(CliTerminal, SendsNoControlCharactersOfFileNamesToTheTerminal) {
   writeTorus();
   const std::string name = "t\x1b[31m\n\x7f\xc2\x9b\\'.ply",

@@ -139,6 +139,11 @@ class Window:
         wrote, command = self.until(lambda: self.lines(before + 2))[before:]
         return read_png(self.folder / wrote.removeprefix("wrote ").split(",")[0]), command
 
+    def shown(self):
+        """Returns what the window shows now, panel included."""
+        width, height = (int(line.split("=")[1]) for line in self.tool("getwindowgeometry", "--shell", self.id).split()[3:5])
+        return self.display.pixels(int(self.id), width, height)
+
     def lines(self, count):
         lines = self.out.read_text().split("\n")[:-1]
         return lines if len(lines) >= count else None
@@ -254,6 +259,18 @@ class ViewTest(unittest.TestCase):
                 self.assertGreater(differ(picture, seen[-1])[1], 0.01)
                 self.check_as_render(picture, command)
             seen.append(picture)
+        self.close()
+
+    def test_a_coarse_picture_has_no_stale_edges(self):
+        window = self.open(self.mesh, "--resolution", "48", size=(520, 400))
+        window.picture()
+        window.keys("3", "s")
+        gaps = []
+        while not window.lines(4):
+            shown = window.shown().astype(int)  # The shape is in the middle. Its ground hardly changes within three pixels.
+            gaps += [np.abs(shown[:, -1] - shown[:, -4]).max(), np.abs(shown[-1, -100:] - shown[-4, -100:]).max()]
+        self.assertGreater(len(gaps), 10)
+        self.assertLess(max(gaps), 4)
         self.close()
 
     def test_copies_a_view_and_takes_it_back(self):

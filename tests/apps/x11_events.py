@@ -1,12 +1,15 @@
-"""Events that xdotool cannot make without a window manager: files dropped on a window, and a window minimised."""
+"""What xdotool cannot do without a window manager: drop files on a window, minimise it, and read its pixels."""
 
 import ctypes
 import time
-from ctypes import POINTER, Structure, Union, byref, c_char_p, c_int, c_long, c_uint, c_ulong, c_void_p
+from ctypes import POINTER, Structure, Union, byref, c_char_p, c_int, c_long, c_uint, c_ulong, c_void_p, string_at
+
+import numpy as np
 
 SELECTION_REQUEST, SELECTION_NOTIFY, CLIENT_MESSAGE = 30, 31, 33
 NORMAL, ICONIC = 1, 3  # Values of WM_STATE.
 REPLACE = 0  # Mode of XChangeProperty.
+ZPIXMAP = 2  # Format of XGetImage.
 EVENT_HEAD = [("type", c_int), ("serial", c_ulong), ("is_sent", c_int), ("display", c_void_p)]
 
 
@@ -29,6 +32,12 @@ class Event(Union):
                 ("room", c_long * 24)]
 
 
+class Image(Structure):
+    """The head of an XImage."""
+    _fields_ = [(name, c_int) for name in ("width", "height", "left", "format")] + [
+        ("data", c_void_p), *((name, c_int) for name in ("order", "unit", "bits", "pad", "depth", "row_bytes"))]
+
+
 class Display:
     """A connection to an X server, which acts as a file manager and as a window manager."""
 
@@ -47,7 +56,8 @@ class Display:
                 ("XSendEvent", c_int, [c_ulong, c_int, c_long, POINTER(Event)]),
                 ("XChangeProperty", c_int, [c_ulong, c_ulong, c_ulong, c_int, c_int, c_char_p, c_int]),
                 ("XPending", c_int, []), ("XNextEvent", c_int, [POINTER(Event)]), ("XSync", c_int, [c_int]),
-                ("XMapWindow", c_int, [c_ulong]), ("XUnmapWindow", c_int, [c_ulong])):
+                ("XMapWindow", c_int, [c_ulong]), ("XUnmapWindow", c_int, [c_ulong]),
+                ("XGetImage", POINTER(Image), [c_ulong, c_int, c_int, c_uint, c_uint, c_ulong, c_int])):
             found = getattr(self.x, function)
             found.restype, found.argtypes = result, [c_void_p, *arguments]
 
@@ -59,6 +69,12 @@ class Display:
 
     def close(self):
         self.x.XCloseDisplay(self.handle)
+
+    def pixels(self, window, width, height):
+        """Returns what a window of this size shows, panels too, as (height, width, 3)."""
+        image = self.call("XGetImage", window, 0, 0, width, height, 0xffffffff, ZPIXMAP).contents
+        shown = np.frombuffer(string_at(image.data, image.row_bytes * height), np.uint8)
+        return shown.reshape(height, -1, 4)[:, :width, 2::-1]  # Blue comes first.
 
     def minimise(self, window):
         """Does what a window manager does when it minimises a window."""

@@ -5,6 +5,7 @@
 #include <float.h>
 #include <math.h>
 #include <stdio.h>
+#include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -69,6 +70,9 @@ static void test_grid_options(void) {
   CHECK(fabs(grid.origin[1] - 3.0 - grid.spacing / 2) < 1e-9 && fabs(grid.spacing * 128 - 4.0) < 1e-9);
   options.voxel_size = 0.5;
   CHECK(raymap_fit_grid(mesh, &options, &grid) == RAYMAP_OK && grid.dims[1] == 8 && grid.spacing == 0.5);
+  options.align = true; /* Cells about samples 0 to 14 cover 3 to 7. */
+  CHECK(raymap_fit_grid(mesh, &options, &grid) == RAYMAP_OK && grid.dims[1] == 15 && grid.origin[1] == 0.0);
+  options.align = false;
   options.dims[0] = options.dims[1] = options.dims[2] = 3; /* The centre of the box is (0.5, 5, 0.5). */
   CHECK(raymap_fit_grid(mesh, &options, &grid) == RAYMAP_OK && grid.dims[1] == 3 && grid.spacing == 0.5);
   CHECK(grid.origin[0] == 0.0 && grid.origin[1] == 4.5);
@@ -343,6 +347,28 @@ static void test_scene(void) {
   CHECK(distances[0][0] == distance[0] && distances[0][1] > 10.0 && distances[1][1] == distance[1]);
   for (int a = 0; a < 3; ++a)
     CHECK(fabs(closest[0][a] - 1.0) < 1e-6 && fabs(gradient[0][a] - sqrt(1.0 / 3.0)) < 1e-6);
+
+  const uint32_t without = 0;
+  uint32_t triangle[2];
+  arrays.triangle = triangle;
+  arrays.without = &without;
+  arrays.without_count = 1;
+  CHECK(raymap_scene_query(scene, &points[0][0], 2, NULL, options, &arrays) == RAYMAP_OK);
+  CHECK(body[0] == 1 && body[1] == 1 && distances[0][0] != distances[0][0] && triangle[1] == UINT32_MAX);
+  arrays.without_count = 0;
+  arrays.max_distance = 0.5;
+  CHECK(raymap_scene_query(scene, &points[0][0], 2, NULL, options, &arrays) == RAYMAP_OK);
+  CHECK(body[0] == UINT32_MAX && distance[0] == 0.5 && distances[1][0] == 0.5);
+  arrays.max_distance = -1.0;
+  CHECK_FAILS(raymap_scene_query(scene, &points[0][0], 2, NULL, options, &arrays), RAYMAP_ERROR_USAGE,
+              "must be above 0, not -1");
+  arrays.max_distance = 0.0;
+  CHECK(raymap_scene_query(scene, &points[0][0], 2, NULL, options, &arrays) == RAYMAP_OK);
+  CHECK(body[0] == 0 && triangle[0] < 4 && triangle[1] == UINT32_MAX);
+  arrays.without_count = 1;
+  arrays.without = NULL;
+  CHECK_FAILS(raymap_scene_query(scene, &points[0][0], 2, NULL, options, &arrays), RAYMAP_ERROR_USAGE,
+              "the array of bodies to leave out is NULL");
 
   double poses[2][2][16]; /* In the first configuration, both change places. */
   memcpy(poses[0][0], beside, sizeof beside);
@@ -650,7 +676,7 @@ typedef struct {
   double later[2];
 } later_findings;
 
-/* The first version of each struct is the current one, so the tests of a shorter one are in c_struct_test.cpp. */
+/* c_struct_test.cpp tests structs of earlier versions, too. */
 static void test_sizes(void) {
   raymap_mesh* mesh = make_tetrahedron();
   raymap_grid grid;
@@ -661,7 +687,9 @@ static void test_sizes(void) {
               "of a raymap_grid_options is not 0");
   options.known.size = sizeof(raymap_grid_options);
   CHECK(raymap_fit_grid(mesh, &options.known, &grid) == RAYMAP_OK);
-  options.known.size = sizeof(raymap_grid_options) - 1;
+  options.known.size = offsetof(raymap_grid_options, align); /* The first version. */
+  CHECK(raymap_fit_grid(mesh, &options.known, &grid) == RAYMAP_OK);
+  options.known.size = offsetof(raymap_grid_options, align) - 1;
   CHECK_FAILS(raymap_fit_grid(mesh, &options.known, &grid), RAYMAP_ERROR_USAGE,
               "RAYMAP_INIT(raymap_grid_options)");
   options.known.size = (size_t)-1;

@@ -249,6 +249,30 @@ TEST_F(CResults, RepairIsThatOfCpp) {
   EXPECT_EQ(withoutTimes(Json::parse(json.get())), withoutTimes(toJson(report)));
 }
 
+TEST_F(CResults, RepairJoinsASheetToABase) {
+  const float positions[] = {0, 0, 1, 1, 0, 1, 0, 1, 2};
+  const uint32_t faces[] = {0, 1, 2};
+  auto arrays = RAYMAP_INIT(raymap_mesh_arrays);
+  arrays.vertices = positions;
+  arrays.vertex_count = 3;
+  arrays.triangles = faces;
+  arrays.triangle_count = 1;
+  const Handle<raymap_mesh, raymap_mesh_free> sheet(raymap_mesh_from_arrays(&arrays));
+  ASSERT_NE(sheet, nullptr) << raymap_last_error_message();
+  auto how = RAYMAP_INIT(raymap_repair_options);
+  how.has_base = true;
+  how.base = -1.0;
+  raymap_grid grid{};
+  ASSERT_EQ(raymap_fit_repair_grid(sheet.get(), nullptr, &how, &grid), RAYMAP_OK);
+  const Handle<raymap_repaired, raymap_repaired_free> repaired(
+      raymap_repair(sheet.get(), &grid, &how, cOptions_.get()));
+  ASSERT_NE(repaired, nullptr) << raymap_last_error_message();
+  auto numbers = RAYMAP_INIT(raymap_repair_numbers);
+  ASSERT_EQ(raymap_repaired_numbers(repaired.get(), &numbers), RAYMAP_OK);
+  EXPECT_TRUE(numbers.kept);
+  EXPECT_NEAR(numbers.volume, 0.5 * (2.0 + 2.0 + 3.0) / 3.0, 1e-6);
+}
+
 TEST_F(CResults, OtherOptionsOfRepairAreThoseOfCpp) {
   const auto [grid, cGrid] = fit(32);
   const RepairOptions how{

@@ -96,6 +96,13 @@ TEST_F(AtomicFile, WritesReplacesAndSeeks) {
   EXPECT_EQ(entries(), 1U);
 }
 
+TEST_F(AtomicFile, KeepsNoRightsOfAnOwner) {
+  writeText(file("target"), "old");
+  ASSERT_EQ(chmod(file("target").c_str(), 07751), 0);
+  writeText(file("target"), "new");
+  EXPECT_EQ(fs::status(file("target")).permissions(), fs::perms(0751));
+}
+
 TEST_F(AtomicFile, KeepsLinksAndPermissions) {
   writeText(file("target"), "old");
   fs::permissions(file("target"), fs::perms(0640));

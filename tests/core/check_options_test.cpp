@@ -3,6 +3,12 @@
 #include <gtest/gtest.h>
 #include <raymap/raymap.h>
 
+#include <cmath>
+#include <memory>
+#include <span>
+#include <string>
+#include <utility>
+
 #include "shapes.h"
 
 namespace raymap {
@@ -29,6 +35,51 @@ std::string errorOfRepair(const FieldOptions& options, const RepairOptions& repa
                           const MachineOptions& machine = {}) {
   return usageError(
       [&] { raymap::repair(kBall, fitGrid(kBall, {.resolution = 12}), options, repair, machine); });
+}
+
+TEST(CheckOptions, RefusesNumbersThatStandForNothing) {
+  const auto error = [](const char* kind, int number) {
+    return std::string("there is no ") + kind + " with the value " + std::to_string(number);
+  };
+  EXPECT_EQ(errorOfField({.distance = DistanceMode(4)}), error("distance mode", 4));
+  EXPECT_EQ(errorOfField({.distance = DistanceMode(-1)}), error("distance mode", -1));
+  EXPECT_EQ(errorOfField({.distance = DistanceMode::Raster}), "");
+  EXPECT_EQ(errorOfField({.sign = SignMode(7)}), error("sign mode", 7));
+  EXPECT_EQ(errorOfField({.sampling = Sampling(2)}), error("sampling", 2));
+  EXPECT_EQ(errorOfField({.sampling = Sampling::Paper}), "");
+  EXPECT_EQ(errorOfField({.orientation = Orientation(3)}), error("orientation", 3));
+  EXPECT_EQ(errorOfField({.orientation = Orientation::Repair}), "");
+  EXPECT_EQ(errorOfRepair({.orientation = Orientation(3)}), error("orientation", 3));
+  EXPECT_EQ(usageError([] { Surface(kBall, {.sign = SignMode(7)}); }), error("sign mode", 7));
+  const Field field = generate(kBall, fitGrid(kBall, {.resolution = 12})).field;
+  EXPECT_EQ(usageError([&] { distanceAt(field, {}, Outside(2)); }), error("kind of outside", 2));
+  EXPECT_TRUE(std::isnan(distanceAt(field, {9, 9, 9}, Outside::NaN)));
+}
+
+TEST(CheckOptions, RefusesToMakeNoPass) {
+  const std::string error = "the number of passes must be 1 or more";
+  for (const SignMode sign : {SignMode::Harmonic, SignMode::Paths})
+    for (const int passes : {0, -1}) EXPECT_EQ(errorOfField({.sign = sign, .passes = passes}), error);
+  EXPECT_EQ(errorOfField({.sign = SignMode::Paths, .passes = 1}), "");
+}
+
+TEST(CheckOptions, RefusesObjectsThatWereMovedFrom) {
+  const std::string error = "this object was moved from; assign another to it, or use that other one";
+  const Grid grid = fitGrid(kBall, {.resolution = 12});
+  Generator first, second = std::move(first);
+  EXPECT_EQ(usageError([&] { first.generate(kBall, grid); }), error);
+  EXPECT_EQ(usageError([&] { second.generate(kBall, grid); }), "");
+  Surface surface(kBall), other = std::move(surface);
+  const glm::dvec3 point(0.0);
+  QueryResult result;
+  EXPECT_EQ(usageError([&] { surface.query(std::span(&point, 1), {}, result); }), error);
+  EXPECT_EQ(usageError([&] { surface.mesh(); }), error);
+  EXPECT_EQ(usageError([&] { other.query(std::span(&point, 1), {}, result); }), "");
+  Scene scene, moved = std::move(scene);
+  EXPECT_EQ(usageError([&] { scene.size(); }), error);
+  EXPECT_EQ(usageError([&] { scene.add("a", std::make_shared<const Surface>(kBall)); }), error);
+  scene = std::move(moved);
+  EXPECT_EQ(scene.size(), 0u);
 }
 
 TEST(CheckOptions, RefusesSignsOfAFieldWithoutOne) {

@@ -183,6 +183,24 @@ TEST(Diagnostics, CountsCrossingFaces) {
   EXPECT_EQ(crossing.faces, (std::vector<uint32_t>{0, 1}));
 }
 
+TEST(Diagnostics, CountsFacesThatOverlapInOnePlane) {
+  // The diagonals of the sides where the boxes touch are parallel: one half lies on one half.
+  const Mesh box = shapes::box({0, 0, 0}, {1, 1, 1});
+  const auto beside = [&](double x, double y) {
+    return findSelfIntersections(shapes::joined(box, shapes::box({x, y, 0}, {x + 1.0, y + 1.0, 1})));
+  };
+  const SelfIntersections touching = beside(1.0, 0.5);
+  EXPECT_EQ(touching.pairs, 0u);
+  EXPECT_EQ(touching.coplanarPairs, 3u);
+  EXPECT_EQ(touching.coplanarFaces.size(), 4u);
+  EXPECT_TRUE(std::ranges::is_sorted(touching.coplanarFaces));
+  EXPECT_TRUE(touching.faces.empty());
+  EXPECT_EQ(beside(1.25, 0.5).coplanarPairs, 0u);
+  EXPECT_EQ(beside(1.0, 1.0).coplanarPairs, 0u) << "They share an edge.";
+  EXPECT_EQ(findSelfIntersections(shapes::joined(box, box)).coplanarPairs, 0u) << "These are duplicates.";
+  EXPECT_EQ(findSelfIntersections(box).coplanarPairs, 0u);
+}
+
 TEST(Diagnostics, CountsFacesThatCrossFromEdgeToEdge) {
   // They share a segment whose ends lie on edges of both, and no edge passes through a face.
   Mesh mesh;

@@ -47,12 +47,55 @@ TEST(DoubleSided, NeedsAsManyFacesOfEachOrder) {
                {5, 2, 3, 4}, {0, 1, 1, 1});
 }
 
+TEST(RepeatedFaces, AreAllButOneOfAGroup) {
+  const auto repeated = [](std::vector<glm::uvec3> faces) { return found(std::move(faces)).repeated; };
+  using Faces = std::vector<uint32_t>;
+  for (const glm::uvec3 same : {glm::uvec3{0, 1, 2}, glm::uvec3{1, 2, 0}, glm::uvec3{2, 0, 1}}) {
+    EXPECT_EQ(repeated({{0, 1, 2}, same}), Faces({1}));
+    EXPECT_EQ(repeated({same, {0, 1, 3}, {1, 2, 0}, {2, 0, 1}}), Faces({2, 3}));
+  }
+  EXPECT_EQ(repeated({{0, 1, 2}, {0, 2, 1}}), Faces());
+  EXPECT_EQ(repeated({{0, 1, 2}, {0, 1, 3}}), Faces());
+  EXPECT_EQ(repeated({{0, 1, 1}, {0, 1, 1}, {2, 2, 2}, {2, 2, 2}, {2, 2, 2}}), Faces());
+}
+
+TEST(RepeatedFaces, LeaveTheLowestOfTheWindingOrderOfMost) {
+  using Faces = std::vector<uint32_t>;
+  const glm::uvec3 one{0, 1, 2}, other{2, 1, 0};
+  EXPECT_EQ(found({one, other, one}).repeated, Faces({1, 2}));
+  EXPECT_EQ(found({other, one, one}).repeated, Faces({0, 2}));
+  EXPECT_EQ(found({one, other, other}).repeated, Faces({0, 2}));
+  EXPECT_EQ(found({other, one, one, one, other, {0, 1, 3}}).repeated, Faces({0, 2, 3, 4}));
+  EXPECT_EQ(found({other, one, one, one, other, other}).repeated, Faces());
+}
+
+TEST(RepeatedFaces, AreNotThoseThatSolidsShare) {
+  using Faces = std::vector<uint32_t>;
+  const Mesh low = shapes::box({0, 0, 0}, {1, 1, 1}), high = shapes::box({0, 0, 0}, {1, 1, 2});
+  EXPECT_EQ(findDoubleSidedFaces(shapes::joined(low, high)).repeated, Faces());
+  Mesh listed = low;  // One of its faces is listed twice, beside solids that share faces.
+  listed.triangles.push_back(listed.triangles[5]);
+  const Mesh apart = shapes::box({5, 0, 0}, {6, 1, 1}), beside = shapes::box({5, 0, 0}, {6, 1, 2});
+  EXPECT_EQ(findDoubleSidedFaces(shapes::joined(listed, shapes::joined(apart, beside))).repeated,
+            Faces({12}));
+  // A whole solid that is listed twice is balanced with and without the second one.
+  EXPECT_EQ(findDoubleSidedFaces(shapes::joined(low, low)).repeated.size(), 12u);
+}
+
 TEST(DoubleSided, ComparesPositionsNotVertices) {
   Mesh mesh{.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {-0.0f, 0, -0.0f}, {1, 0, 0}, {0, 1, 0}},
             .triangles = {{0, 1, 2}, {3, 5, 4}}};
   expectGroups(findDoubleSidedFaces(mesh), {0}, {1}, {0});
+  Mesh turned = mesh;
+  turned.triangles[1] = {5, 3, 4};
+  EXPECT_EQ(findDoubleSidedFaces(turned).repeated, std::vector<uint32_t>({1}));
   mesh.vertices[4].x = std::nextafter(1.0f, 2.0f);
   expectGroups(findDoubleSidedFaces(mesh), {}, {}, {});
+}
+
+bool isRotation(const glm::uvec3& t, const std::vector<uint32_t>& corners) {
+  return (t.x == corners[0] && t.y == corners[1]) || (t.y == corners[0] && t.z == corners[1]) ||
+         (t.z == corners[0] && t.x == corners[1]);
 }
 
 /// Returns the same as `findDoubleSidedFaces`, by a map of all faces.
@@ -62,17 +105,27 @@ DoubleSidedFaces searched(const Mesh& mesh) {
     const glm::uvec3& t = mesh.triangles[f];
     std::vector<uint32_t> corners{t.x, t.y, t.z};
     std::sort(corners.begin(), corners.end());
-    const bool isRotation = (t.x == corners[0] && t.y == corners[1]) ||
-                            (t.y == corners[0] && t.z == corners[1]) ||
-                            (t.z == corners[0] && t.x == corners[1]);
     auto& [list, balance] = faces[corners];
     list.push_back(f);
-    balance += isRotation ? 1 : -1;
+    balance += isRotation(t, corners) ? 1 : -1;
   }
   std::map<uint32_t, std::vector<uint32_t>> groups;
-  for (const auto& [corners, group] : faces)
-    if (group.second == 0) groups[group.first.front()] = group.first;
   DoubleSidedFaces result;
+  for (const auto& each : faces) {
+    const std::vector<uint32_t>& corners = each.first;
+    const std::vector<uint32_t>& list = each.second.first;
+    const int balance = each.second.second;
+    if (balance == 0) {
+      groups[list.front()] = list;
+      continue;
+    }
+    const auto kept = std::find_if(list.begin(), list.end(), [&](uint32_t f) {
+      return isRotation(mesh.triangles[f], corners) == (balance > 0);
+    });
+    std::copy_if(list.begin(), list.end(), std::back_inserter(result.repeated),
+                 [&](uint32_t f) { return f != *kept; });
+  }
+  std::ranges::sort(result.repeated);
   for (const auto& [first, group] : groups) {
     for (const uint32_t face : std::span(group).subspan(1)) {
       result.others.push_back(face);
@@ -90,9 +143,12 @@ TEST(DoubleSided, AreFoundInLargeMeshesOnAnyNumberOfThreads) {
   const DoubleSidedFaces expected = searched(mesh);
   EXPECT_GT(expected.firsts.size(), 100000u);
   EXPECT_GT(expected.others.size(), expected.firsts.size());
+  EXPECT_GT(expected.repeated.size(), 1000u);
   for (const int threads : {1, 2, 3})
     withThreads(threads, [&] {
-      expectGroups(findDoubleSidedFaces(mesh), expected.firsts, expected.others, expected.groupOf);
+      const DoubleSidedFaces found = findDoubleSidedFaces(mesh);
+      expectGroups(found, expected.firsts, expected.others, expected.groupOf);
+      EXPECT_EQ(found.repeated, expected.repeated);
     });
 }
 

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <vector>
 
 namespace raymap {
@@ -80,6 +81,23 @@ TEST(FacePoints, PartsOfSliversAreAsManyAsTheyAreLong) {
     }
   // Twice as long: twice as many parts.
   EXPECT_LE(countParts({0, 0, 0}, {4096, 0, 0}, {4096, 0.01f, 0}, 1.0), 2u * 4100u);
+}
+
+/// Squares of such lengths are infinite or 0 in single precision.
+TEST(FacePoints, PartsAreTheSameInAnyUnit) {
+  using Parts = std::vector<std::array<vec3, 3>>;
+  const auto partsOf = [](float unit) {
+    Parts parts;
+    forEachFacePart(unit * kA, unit * kB, unit * kC, 0.7 * double(unit),
+                    [&](const vec3& d, const vec3& e, const vec3& f) {
+                      parts.push_back({d / unit, e / unit, f / unit});
+                    });
+    return parts;
+  };
+  const Parts parts = partsOf(1.0f);
+  EXPECT_EQ(parts.size(), 96u);
+  EXPECT_EQ(partsOf(0x1p100f), parts);
+  EXPECT_EQ(partsOf(0x1p-100f), parts);
 }
 
 TEST(FacePoints, PartsAreAtMostAsManyAsHalvingsAllow) {

@@ -2,7 +2,12 @@
 #include <raymap/raymap.h>
 
 #include <algorithm>
+#include <cfloat>
+#include <cmath>
+#include <string>
 
+#include "error_code.h"
+#include "field/field_sampler.h"
 #include "shapes.h"
 
 namespace raymap {
@@ -13,6 +18,99 @@ TEST(Grid, CoversThePaddedBounds) {
   EXPECT_NEAR(grid.spacing, 2.4 / 24, 1e-12);
   EXPECT_EQ(grid.dims, glm::ivec3(24, 14, 14));
   EXPECT_NEAR(grid.origin.x, -0.2 + 0.05, 1e-12);
+}
+
+TEST(Grid, MustLieWhereNumbersReach) {
+  const auto problem = [](glm::ivec3 dims, const glm::dvec3& origin, double spacing) {
+    return placeProblem({dims, origin, spacing});
+  };
+  const glm::ivec3 dims(3, 2, 2);
+  EXPECT_EQ(problem(dims, {0, 0, 0}, 1.0), "");
+  EXPECT_EQ(problem(dims, {0, 0, 0}, DBL_MIN), "");
+  EXPECT_EQ(problem(dims, {0, -FLT_MAX, FLT_MAX}, DBL_MIN), "");
+  EXPECT_EQ(problem(dims, {0, 0, 0}, 0.5 * FLT_MAX), "");
+  EXPECT_EQ(problem(dims, {0, 0, 0}, 0.0), "the grid's spacing is 0; it must be positive and finite");
+  EXPECT_EQ(problem(dims, {0, 0, 0}, NAN), "the grid's spacing is nan; it must be positive and finite");
+  EXPECT_EQ(problem(dims, {0, 0, 0}, INFINITY), "the grid's spacing is inf; it must be positive and finite");
+  EXPECT_EQ(problem(dims, {0, 0, 0}, 1e-310), "the grid's spacing is 1e-310, too small for double precision");
+  EXPECT_EQ(problem(dims, {0, NAN, 0}, 1.0), "the grid's origin has y = nan; it must be finite");
+  const std::string beyond = ", and distances are known up to 3.4e38";
+  EXPECT_EQ(problem(dims, {0, 0, -1e39}, 1.0), "the grid reaches to z = -1e+39" + beyond);
+  EXPECT_EQ(problem(dims, {0, 0, 0}, 2e38), "the grid reaches to x = 4e+38" + beyond);
+  EXPECT_EQ(problem(dims, {1e308, 0, 0}, 1e308), "the grid reaches to x = 1e+308" + beyond);
+  Field field{.grid = {glm::ivec3(1), {0, 0, 0}, 1e-310}};
+  field.distance.resizeUninitialized(1);
+  Samples samples;
+  EXPECT_EQ(codeOf([&] { sample(field, {}, {}, samples); }), ErrorCode::Usage);
+  EXPECT_EQ(codeOf([&] {
+              generate(shapes::box({0, 0, 0}, {1, 1, 1}), {dims, {0, 0, 0}, 1e300});
+            }),
+            ErrorCode::Usage);
+}
+
+TEST(Grid, LeavesOutFacesWithoutArea) {
+  Mesh mesh = shapes::box({1000, 1000, 0}, {1010, 1010, 10});
+  const Grid expected = fitGrid(mesh, {.resolution = 24});
+  const auto add = [&](const glm::vec3& a, const glm::vec3& b, const glm::vec3& c) {
+    const auto first = uint32_t(mesh.vertices.size());
+    for (const glm::vec3& p : {a, b, c}) mesh.vertices.push_back(p - glm::vec3(mesh.origin));
+    mesh.triangles.emplace_back(first, first + 1, first + 2);
+  };
+  add({0, 0, 0}, {0, 0, 0}, {0, 0, 0});
+  add({0, 0, 0}, {1, 2, 3}, {2, 4, 6});
+  EXPECT_EQ(fitGrid(mesh, {.resolution = 24}), expected);
+  EXPECT_EQ(gridBounds(mesh).min, glm::dvec3(1000, 1000, 0));
+  EXPECT_EQ(bounds(mesh).min, glm::dvec3(0.0));
+  const std::vector<glm::dvec3> doubles{{0, 0, 0}, {1, 0, 0}, {0, 1, 1}, {-9, 0, 0}};
+  const std::vector<glm::u64vec3> faces{{0, 1, 2}, {3, 3, 0}, {0, 1, 77}};
+  EXPECT_EQ(gridBounds(MeshView(doubles, faces)), (Box{{0, 0, 0}, {1, 1, 1}}));
+  add({0, 0, 0}, {0, 1, 0}, {0, 0, 1});
+  EXPECT_EQ(gridBounds(mesh).min, glm::dvec3(0.0)) << "a face with an area counts";
+}
+
+TEST(Grid, OfFacesWithoutAreaAloneCoversThem) {
+  const std::vector<glm::vec3> line{{0, 0, 0}, {1, 0, 0}, {2, 0, 0}};
+  const std::vector<glm::uvec3> face{{0, 1, 2}};
+  EXPECT_EQ(gridBounds(MeshView(line, face)), (Box{{0, 0, 0}, {2, 0, 0}}));
+}
+
+TEST(Grid, AlignedBeginsAtAMultipleOfEightSpacings) {
+  const auto grid = [](double low, double high, double spacing) {
+    return fitGrid(Box{glm::dvec3(low), glm::dvec3(high)},
+                   {.voxelSize = spacing, .padding = 0.0, .align = true});
+  };
+  // Cells reach half a spacing beyond their samples: those of samples -1 to 9 cover -1.2 to 9.5.
+  EXPECT_EQ(grid(-1.2, 9.5, 1.0), (Grid{glm::ivec3(18), glm::dvec3(-8.0), 1.0}));
+  EXPECT_EQ(grid(-1.2, 9.6, 1.0).dims.x, 19);
+  EXPECT_EQ(grid(-8.5, 9.0, 1.0).origin.x, -8.0);
+  EXPECT_EQ(grid(-8.6, 9.0, 1.0).origin.x, -16.0);
+  EXPECT_EQ(grid(-0.5, 0.5, 1.0), (Grid{glm::ivec3(1), glm::dvec3(0.0), 1.0}));
+  EXPECT_EQ(grid(0.0, 1.0, 0.02), (Grid{glm::ivec3(51), glm::dvec3(0.0), 0.02}));
+  EXPECT_EQ(grid(7.6, 7.7, 1.0), (Grid{glm::ivec3(1), glm::dvec3(8.0), 1.0}));
+  EXPECT_EQ(grid(16.7, 20.0, 0.1).origin.x, 160 * 0.1);
+  EXPECT_EQ(grid(0.0, 3.0, 0.5).spacing, 0.5);
+  const Grid byResolution = fitGrid(shapes::box({0, 0, 0}, {2, 1, 1}), {.resolution = 24, .align = true});
+  EXPECT_NEAR(byResolution.spacing, 0.1, 1e-12);
+  EXPECT_EQ(byResolution.origin, glm::dvec3(-8 * byResolution.spacing));
+}
+
+TEST(Grid, AlignedIsRefusedWhereItCannotBe) {
+  const auto message = [](const GridOptions& options) -> std::string {
+    try {
+      fitGrid(Box{glm::dvec3(1e9), glm::dvec3(1e9 + 1)}, options);
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), ErrorCode::Usage);
+      return error.what();
+    }
+    return "";
+  };
+  EXPECT_EQ(message({.dims = glm::ivec3(4), .align = true}),
+            "samples about the centre of the box cannot be aligned; leave out their number");
+  EXPECT_EQ(
+      message({.voxelSize = 0.1, .align = true}),
+      "the box lies so many spacings of 0.1 from 0 that samples cannot be aligned; use a larger voxel size, "
+      "or move the mesh");
+  EXPECT_EQ(message({.voxelSize = 2.0, .align = true}), "");
 }
 
 TEST(Grid, OfAnEmptyMeshNeedsABox) {

@@ -9,7 +9,7 @@ namespace {
 template <class Enum>
 class NamesOf : public testing::Test {};
 using Enums = testing::Types<DistanceMode, SignMode, Sampling, Orientation, FieldArray, DeviceType,
-                             DeviceTestState, ErrorCode, MeshKind, Part, Remedy, WarningCode>;
+                             DeviceTestState, ErrorCode, MeshKind, Arrangement, Part, Remedy, WarningCode>;
 TYPED_TEST_SUITE(NamesOf, Enums);
 
 TYPED_TEST(NamesOf, GoBothWays) {
@@ -43,6 +43,7 @@ TEST(Names, AreThoseOfTheCommandLine) {
   EXPECT_EQ(name(WarningCode::DrainHolesMissing), "drain_holes_missing");
   EXPECT_EQ(name(WarningCode::TrianglesMissed), "triangles_missed");
   EXPECT_EQ(name(WarningCode::NothingInside), "nothing_inside");
+  EXPECT_EQ(name(WarningCode::FarVertices), "far_vertices");
   EXPECT_EQ(names<SignMode>().size(), 7u);
   EXPECT_THROW(name(static_cast<SignMode>(77)), Error);
 }

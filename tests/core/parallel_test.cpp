@@ -69,7 +69,7 @@ void expectInForks(int forks, FunctionView<bool&> work) {
 }
 
 TEST(Parallel, WorksInForkedProcesses) {
-  expectInForks(1000, [](bool& isRight) { isRight = sumTo(200) == 19900; });
+  expectInForks(300, [](bool& isRight) { isRight = sumTo(200) == 19900; });
 }
 
 /// TBB's threads cannot be ended while another thread lives that has used them.
@@ -81,7 +81,7 @@ TEST(Parallel, WorksAloneInProcessesForkedBesideThreads) {
     end.get_future().wait();
   });
   used.get_future().wait();
-  expectInForks(1000, [](bool& isRight) {
+  expectInForks(300, [](bool& isRight) {
     std::vector<int> numbers = {3, 1, 2};
     parallelSort(numbers.begin(), numbers.end());
     size_t threads = 0;

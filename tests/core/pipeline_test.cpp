@@ -60,6 +60,7 @@ class FakeHostBackend : public FakeBackend {
   double doubtfulShare() const { return 0.0; }
   FaceSides& faceSides() { return faceSides_; }
   DoubleSidedFaces doubleSidedFaces() const { return {}; }
+  bool mayHaveInvertedParts() const { return false; }
   void turnFaces(const Turns&) { ADD_FAILURE(); }
   double misfit() const { return 0.0; }
   bool contradictsParity() const { return false; }

@@ -458,6 +458,79 @@ TEST(Scene, SaysWhatIsWrongWithACall) {
   EXPECT_EQ(scene.query(points, Configurations{{}, 0}).distance.size(), 0u);
 }
 
+/// Two balls of radius 1 about 0 and about (4, 0, 0), and the field of one about (0, 4, 0).
+Scene threeBalls() {
+  const Mesh ball = shapes::sphere(1.0, 3);
+  Scene scene;
+  scene.add("left", prepared(ball));
+  scene.add("right", prepared(ball), glm::translate(glm::dmat4(1.0), {4.0, 0.0, 0.0}));
+  scene.add("field", std::make_shared<const Field>(sceneField(ball)),
+            glm::translate(glm::dmat4(1.0), {0.0, 4.0, 0.0}));
+  return scene;
+}
+
+TEST(Scene, BodiesAreLeftOut) {
+  const Scene scene = threeBalls();
+  const std::vector<glm::dvec3> points{{1.5, 0, 0}, {3.5, 0, 0}, {0, 2.5, 0}, {double(NAN), 0, 0}};
+  const uint32_t left[] = {0}, both[] = {2, 0};
+  const SceneResult all = scene.query(points, kEachBody);
+  SceneOptions options = kEachBody;
+  options.without = left;
+  const SceneResult some = scene.query(points, options);
+  options.distances = false;
+  options.without = both;
+  const SceneResult one = scene.query(points, options);
+  for (size_t i = 0; i < 3; ++i) {
+    EXPECT_TRUE(std::isnan(some.distances[3 * i]));
+    EXPECT_EQ(some.distances[3 * i + 1], all.distances[3 * i + 1]);
+    EXPECT_EQ(some.distance[i], std::min(all.distances[3 * i + 1], all.distances[3 * i + 2]));
+    EXPECT_EQ(one.distance[i], all.distances[3 * i + 1]);
+    EXPECT_EQ(one.body[i], 1u);
+  }
+  EXPECT_EQ(some.body[2], 2u);
+  EXPECT_TRUE(std::isnan(some.distance[3]));
+  const uint32_t none[] = {3};
+  options.without = none;
+  EXPECT_EQ(usageMessage([&] { scene.query(points, options); }),
+            "body 3 is to be left out, but the scene has 3");
+}
+
+TEST(Scene, DistancesAreLimited) {
+  const Scene scene = threeBalls();
+  // Near both kinds of bodies, far from all, and deep in both.
+  const std::vector<glm::dvec3> points{{1.25, 0, 0}, {0, 2.75, 0}, {0, 0, 9}, {4, 0, 0}, {0, 4, 0}};
+  SceneOptions options = kEachBody;
+  options.triangle = true;
+  const SceneResult all = scene.query(points, options);
+  options.maxDistance = 0.5;
+  for (const bool each : {true, false}) {
+    options.distances = each;
+    const SceneResult found = scene.query(points, options);
+    for (size_t i = 0; i < points.size(); ++i)
+      EXPECT_EQ(found.distance[i], std::clamp(all.distance[i], -0.5, 0.5));
+    for (size_t k = 0; each && k < found.distances.size(); ++k)
+      EXPECT_EQ(found.distances[k], std::clamp(all.distances[k], -0.5, 0.5));
+    for (const size_t i : {0, 1}) {
+      EXPECT_EQ(found.body[i], i == 0 ? 0u : 2u);
+      EXPECT_EQ(found.closest[i], all.closest[i]);
+      EXPECT_EQ(found.gradient[i], all.gradient[i]);
+      EXPECT_EQ(found.triangle[i], all.triangle[i]);
+    }
+    EXPECT_NE(found.triangle[0], kNoTriangle);
+    for (const size_t i : {2, 3, 4}) {
+      EXPECT_TRUE(std::isnan(found.closest[i].x) && std::isnan(found.gradient[i].x));
+      EXPECT_EQ(found.triangle[i], kNoTriangle);
+    }
+    EXPECT_EQ(found.body[2], kNoBody);
+    EXPECT_EQ(found.body[3], 1u);
+    EXPECT_EQ(found.body[4], 2u);
+  }
+  EXPECT_EQ(all.triangle[1], kNoTriangle);  // Of a field
+  options.maxDistance = 0.0;
+  EXPECT_EQ(usageMessage([&] { scene.query(points, options); }),
+            "the largest distance of a query must be above 0, not 0");
+}
+
 TEST(Scene, CanBeCancelled) {
   const Scene scene = variousScene(1);
   const std::vector<glm::dvec3> points = worldPoints(100, 2.0, 1);

@@ -8,7 +8,7 @@ namespace raymap {
 namespace {
 
 bool areCrossing(const WholeTriangle& a, const WholeTriangle& b, bool areSmall = true) {
-  return doCross(a, WholePlane(a), b, areSmall);
+  return meet(a, WholePlane(a), b, areSmall) == Meeting::Cross;
 }
 
 constexpr WholeTriangle kFlat{{{0, 0, 0}, {4, 0, 0}, {0, 4, 0}}};
@@ -26,6 +26,55 @@ TEST(TriangleTriangle, DoNotCrossWhereTheyTouch) {
   EXPECT_FALSE(areCrossing(kFlat, {{{1, 1, 0}, {1, 1, 4}, {2, 1, 4}}})) << "a corner in the other's inside";
   EXPECT_FALSE(areCrossing(kFlat, {{{1, 1, 0}, {5, 1, 0}, {1, 5, 0}}})) << "a common plane";
   EXPECT_FALSE(areCrossing(kFlat, kFlat));
+}
+
+bool areInPlane(const WholeTriangle& a, const WholeTriangle& b) {
+  const bool one = meet(a, WholePlane(a), b, true) == Meeting::InPlane;
+  EXPECT_EQ(meet(b, WholePlane(b), a, false) == Meeting::InPlane, one);
+  return one;
+}
+
+TEST(TriangleTriangle, OverlapInAPlaneWhereInnerPointsCoincide) {
+  // Along every axis, and in planes across several.
+  for (const glm::ivec3& lift : {glm::ivec3(0), glm::ivec3(1, 0, 0), glm::ivec3(2, 3, 0)})
+    for (int axis = 0; axis < 3; ++axis) {
+      const auto placed = [&](const WholeTriangle& t) {
+        WholeTriangle result;
+        for (size_t c = 0; c < 3; ++c) {
+          const int u = t[c].x, v = t[c].y;
+          result[c][axis] = u, result[c][(axis + 1) % 3] = v;
+          result[c][(axis + 2) % 3] = u * lift.x + v * lift.y;
+        }
+        return result;
+      };
+      const WholeTriangle flat = placed(kFlat);
+      const auto overlaps = [&](const WholeTriangle& t) { return areInPlane(flat, placed(t)); };
+      EXPECT_TRUE(overlaps({{{1, 1, 0}, {5, 1, 0}, {1, 5, 0}}}));
+      EXPECT_TRUE(overlaps({{{1, 1, 0}, {1, 5, 0}, {5, 1, 0}}})) << "the other winding order";
+      EXPECT_TRUE(overlaps({{{1, 1, 0}, {2, 1, 0}, {1, 2, 0}}})) << "inside";
+      EXPECT_TRUE(overlaps({{{-9, -9, 0}, {30, -9, 0}, {-9, 30, 0}}})) << "around";
+      EXPECT_TRUE(overlaps({{{-1, 1, 0}, {9, 1, 0}, {9, 2, 0}}})) << "no corner of one is in the other";
+      EXPECT_TRUE(overlaps(kFlat));
+      EXPECT_FALSE(overlaps({{{4, 0, 0}, {4, 4, 0}, {0, 4, 0}}})) << "a common edge";
+      EXPECT_FALSE(overlaps({{{4, 0, 0}, {0, 4, 0}, {4, 4, 0}}})) << "a common edge, the other winding order";
+      EXPECT_FALSE(overlaps({{{-2, 0, 0}, {6, 0, 0}, {0, -4, 0}}})) << "a part of an edge";
+      EXPECT_FALSE(overlaps({{{0, 0, 0}, {-4, 0, 0}, {0, -4, 0}}})) << "a common corner";
+      EXPECT_FALSE(overlaps({{{5, 5, 0}, {9, 5, 0}, {5, 9, 0}}})) << "apart";
+      EXPECT_FALSE(overlaps({{{1, 1, 0}, {2, 1, 0}, {3, 1, 0}}})) << "no area";
+      EXPECT_FALSE(overlaps({{{1, 1, 0}, {1, 1, 0}, {1, 1, 0}}})) << "a point";
+    }
+  EXPECT_FALSE(areInPlane(kFlat, {{{1, 1, 1}, {5, 1, 1}, {1, 5, 1}}})) << "a parallel plane";
+  EXPECT_FALSE(areInPlane(kFlat, {{{1, 1, 0}, {5, 1, 0}, {1, 5, 1}}})) << "another plane";
+}
+
+TEST(TriangleTriangle, OverlapInAPlaneAtTheLargestCoordinates) {
+  constexpr int kMost = 1 << kTriangleBits;
+  const WholeTriangle large{{{-kMost, -kMost, kMost}, {kMost, -kMost, kMost}, {-kMost, kMost, kMost}}};
+  const WholeTriangle other{{{kMost, kMost, kMost}, {-kMost, kMost, kMost}, {kMost, -kMost, kMost}}};
+  EXPECT_EQ(meet(large, WholePlane(large), other, false), Meeting::None);
+  WholeTriangle moved = other;
+  moved[1].y -= 1;
+  EXPECT_EQ(meet(large, WholePlane(large), moved, false), Meeting::InPlane);
 }
 
 TEST(TriangleTriangle, CrossEachOtherWhateverTheOrderOfCornersAndThePrecision) {

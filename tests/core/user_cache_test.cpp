@@ -1,7 +1,10 @@
 #include "base/user_cache.h"
 
 #include <gtest/gtest.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
+#include <fstream>
 #include <ostream>
 #include <stdexcept>
 
@@ -41,6 +44,25 @@ TEST(UserCache, MakesItsFolder) {
     EXPECT_TRUE(writeUserCache("file", [text](std::ostream& out) { out << text; }));
     EXPECT_EQ(readBytes(folder / "file"), text);
   }
+  for (const fs::path& made : {folder, folder.parent_path()})
+    EXPECT_EQ(fs::status(made).permissions(), fs::perms::owner_all);
+}
+
+TEST(UserCache, ReadsNoFileOfAnotherUser) {
+  const TemporaryFolder temporary;
+  const ScopedVariable cache("RAYMAP_CACHE", temporary.path().string());
+  const fs::path file = temporary.path() / "file";
+  std::ofstream(file) << "text";
+  EXPECT_EQ(readUserCache("file", 4), "text");
+  EXPECT_EQ(readUserCache("file", 3), std::nullopt);
+  EXPECT_EQ(readUserCache("missing", 4), std::nullopt);
+  fs::create_symlink("file", temporary.path() / "link");
+  EXPECT_EQ(readUserCache("link", 4), std::nullopt);
+  ASSERT_EQ(mkfifo((temporary.path() / "pipe").c_str(), 0600), 0);
+  EXPECT_EQ(readUserCache("pipe", 4), std::nullopt);
+  if (geteuid() != 0) GTEST_SKIP() << "only root can give a file away";
+  ASSERT_EQ(chown(file.c_str(), 65534, 65534), 0);
+  EXPECT_EQ(readUserCache("file", 4), std::nullopt);
 }
 
 TEST(UserCache, MayBeOffOrUnwritable) {

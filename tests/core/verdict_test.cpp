@@ -10,7 +10,9 @@ namespace raymap {
 namespace {
 
 Verdict judged(const Mesh& mesh) {
-  return judge(diagnose(mesh), findSelfIntersections(mesh));
+  const Diagnostics found = diagnose(mesh);
+  const SelfIntersections crossings = findSelfIntersections(mesh);
+  return judge(found, crossings, arrangeParts(mesh, found, crossings));
 }
 
 MeshKind kindOf(const Mesh& mesh) {
@@ -71,6 +73,23 @@ TEST(Verdict, CountsCrossings) {
   Mesh dented = shapes::sphere(1.0, 2);
   dented.vertices[0] = dented.vertices[0] * -1.5f;  // Through the other side.
   EXPECT_EQ(kindOf(dented), MeshKind::CrossingSolid);
+}
+
+TEST(Verdict, TellsHowPartsLie) {
+  const auto cube = [](double low, double high) { return shapes::box(glm::dvec3(low), glm::dvec3(high)); };
+  const auto kindWith = [&](const Mesh& other) { return kindOf(shapes::joined(cube(0, 10), other)); };
+  EXPECT_EQ(kindWith(shapes::box({10, 1, 1}, {20, 9, 9})), MeshKind::TouchingSolids);
+  EXPECT_EQ(kindWith(cube(2, 8)), MeshKind::MisnestedSolids);
+  EXPECT_EQ(kindWith(turned(cube(11, 12))), MeshKind::MisnestedSolids);
+  EXPECT_EQ(kindWith(shapes::box({5, 0, 0}, {15, 10, 10})), MeshKind::OverlappingSolids);
+  EXPECT_EQ(kindOf(turned(shapes::joined(cube(0, 10), cube(2, 8)))), MeshKind::InsideOut);
+  Mesh dented = shapes::sphere(1.0, 2);
+  dented.vertices[0] = dented.vertices[0] * -1.5f;
+  EXPECT_EQ(kindWith(dented), MeshKind::OverlappingSolids);
+  EXPECT_EQ(kindOf(shapes::joined(dented, cube(5, 6))), MeshKind::CrossingSolid);
+  const Verdict nested = judged(shapes::joined(cube(0, 10), cube(2, 8)));
+  EXPECT_EQ(nested.arrangement, Arrangement::Misnested);
+  EXPECT_EQ(nested.remedy, Remedy::Repair);
 }
 
 TEST(Verdict, NamesSmallFaults) {
@@ -187,6 +206,8 @@ TEST(Verdict, LeavesOutTheThinnestFiveHundredthOfTheArea) {
 TEST(Verdict, HasNames) {
   EXPECT_EQ(name(MeshKind::NoSurface), "no_surface");
   EXPECT_EQ(name(MeshKind::OpenSolid), "open_solid");
+  EXPECT_EQ(name(MeshKind::MisnestedSolids), "misnested_solids");
+  EXPECT_EQ(name(Arrangement::Touching), "touching");
   EXPECT_EQ(name(MeshKind::CleanSolid), "clean_solid");
   EXPECT_EQ(name(Remedy::Thicken), "thicken");
 }

@@ -352,6 +352,29 @@ TEST_P(FieldFiles, SayWhatTheBackgroundMeans) {
   EXPECT_EQ(readField(file()).clampDistance, 6.0);
 }
 
+TEST_P(FieldFiles, RefuseASpacingThatIsNone) {
+  if (!hasGrid() || GetParam() == ".npz") return;
+  const double marked = 0.8125;
+  writeField(file(), sphereField({{6, 5, 4}, {1, 3, 2}, marked}, 0.0));
+  const std::string whole = bytes();
+  for (const auto& [bad, text] :
+       {std::pair(double(NAN), "nan"), {INFINITY, "inf"}, {-0.8125, "-0.8125"}, {1e300, "1e+300"}}) {
+    setBytes(replacedAll(replacedAll(whole, bytesOf(marked), bytesOf(bad)), "0.8125", text));
+    try {
+      readField(file());
+      ADD_FAILURE() << text << " was read";
+    } catch (const Error& e) {
+      if (GetParam().ends_with("vdb")) continue;  // It stores more than the spacing, which must agree.
+      EXPECT_EQ(e.code(), ErrorCode::Input);
+      const std::string message = e.what(), reason = message.substr(file().string().size() + 2);
+      if (bad == 1e300)
+        EXPECT_TRUE(reason.starts_with("the grid reaches to x = ")) << message;
+      else
+        EXPECT_EQ(reason, std::string("the grid's spacing is ") + text + ", not a positive number");
+    }
+  }
+}
+
 // The file's numbers are changed in place, as text or as bytes. A .npz has a checksum over them.
 TEST_P(FieldFiles, NameAnOriginThatIsNotFinite) {
   if (!hasGrid() || GetParam() == ".npz") return;
@@ -419,6 +442,71 @@ TEST_P(HeaderFiles, ConvertDoublesAndBigEndian) {
   EXPECT_EQ(field.distance[0], -2.25F);
   EXPECT_EQ(field.distance[1], 1.5F);
   EXPECT_EQ(field.grid.spacing, 2.0);
+}
+
+/// A .npy and a .npz of half floats.
+class HalfFiles : public testing::TestWithParam<std::string> {
+ protected:
+  fs::path file(const std::string& name = "field") const { return folder_.path() / (name + GetParam()); }
+
+ private:
+  TemporaryFolder folder_;
+};
+
+INSTANTIATE_TEST_SUITE_P(Formats, HalfFiles, testing::Values(".npy", ".npz"),
+                         [](const auto& test) { return test.param.substr(1); });
+
+TEST_P(HalfFiles, RoundFloatsAndKeepWholeNumbers) {
+  const Field field = sphereField(oddGrid(), 0.0);
+  writeField(file(), field, {.half = true});
+  writeField(file("whole"), field);
+  EXPECT_LT(fs::file_size(file()), 0.7 * double(fs::file_size(file("whole"))));
+  const Field read = readField(file());
+  for (size_t s = 0; s < field.distance.size(); ++s)
+    ASSERT_NEAR(read.distance[s], field.distance[s], std::abs(field.distance[s]) / 2048.0) << s;
+  EXPECT_FALSE(std::ranges::equal(read.distance, field.distance));
+  if (GetParam() == ".npy") return;
+  expectSameBits(read.triangle, field.triangle);
+  EXPECT_EQ(read.grid, field.grid);
+  for (size_t s = 0; s < field.winding.size(); ++s)
+    ASSERT_NEAR(read.winding[s], field.winding[s], std::abs(field.winding[s]) / 2048.0) << s;
+}
+
+TEST_P(HalfFiles, HoldAllThatSixteenBitsHold) {
+  Field field{.grid = {.dims = {6, 1, 1}, .spacing = 1.0}};
+  const float values[] = {0.0F, -65504.0F, 0x1p-24F, 1.0F + 0x1p-10F, 1.0F + 0x1.1p-11F, -2.0F};
+  field.distance.resizeUninitialized(6);
+  std::copy(values, values + 6, field.distance.begin());
+  writeField(file(), field, {.half = true});
+  const Field read = readField(file());
+  for (size_t s = 0; s < 6; ++s) EXPECT_EQ(read.distance[s], s == 4 ? 1.0F + 0x1p-10F : values[s]) << s;
+  field.distance[1] = -65505.0F;
+  EXPECT_THROW(writeField(file(), field, {.half = true}), Error);
+}
+
+TEST(HalfFile, AreReadInBothByteOrders) {
+  const TemporaryFolder folder;
+  const fs::path path = folder.path() / "a.npy";
+  std::string header = "{'descr': '>f2', 'fortran_order': False, 'shape': (2, 1, 1), }";
+  header.resize(117, ' ');
+  const std::string numbers("\x3c\x00\xc1\x00", 4);  // 1 and -2.5
+  std::ofstream(path, std::ios::binary) << std::string("\x93NUMPY\x01\x00\x76\x00", 10) << header << "\n"
+                                        << numbers;
+  const Field field = readField(path);
+  EXPECT_EQ(field.distance[0], 1.0F);
+  EXPECT_EQ(field.distance[1], -2.5F);
+}
+
+TEST(HalfFile, AreRefusedByFormatsWithoutSuchAType) {
+  const TemporaryFolder folder;
+  const Field field = sphereField(oddGrid(), 0.0);
+  for (const char* name : {"a.nrrd", "a.vti"}) try {
+      writeField(folder.path() / name, field, {.half = true});
+      ADD_FAILURE() << name;
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), ErrorCode::Usage);
+      EXPECT_NE(std::string(error.what()).find("has no type for numbers of 16 bits"), std::string::npos);
+    }
 }
 
 }  // namespace

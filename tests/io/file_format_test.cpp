@@ -8,6 +8,8 @@
 #include <sys/stat.h>
 
 #include <algorithm>
+#include <array>
+#include <cstring>
 #include <fstream>
 #include <thread>
 
@@ -82,6 +84,14 @@ TEST_F(FileFormat, IsToldByTheFirstBytes) {
       {"OFF\n8 6 0\n", ".off"},
       {"# from CGAL\nCOFF\n", ".off"},
       {"OFFICE\n", ""},
+      {"off\n8 6 0\n", ".off"},
+      {"4OFF\n", ".off"},
+      {"\xef\xbb\xbfOFF\n", ".off"},
+      {"\xef\xbb\xbfv 0 0 0\n", ".obj"},
+      {"\xef\xbb\xbfply\nformat", ".ply"},
+      {"\xef\xbb\xbfsolid\nendsolid", ".stl"},
+      {"facet normal 0 0 1\nouter loop\nvertex 0 0 0", ".stl"},
+      {"facet of a stone\n", ""},
       {"1 2 3\n", ""},
       {"", ""},
   };
@@ -130,6 +140,65 @@ TEST_F(FileFormat, PipesAreReadAsFilesAre) {
     EXPECT_EQ(mesh.triangles, expected.triangles);
     EXPECT_EQ(mesh.origin, expected.origin);
   }
+}
+
+TEST_F(FileFormat, RefusesOtherFilesAsWhatTheyAre) {
+  const std::string png = std::string("\x89PNG\r\n\x1a\n\0\0\0\rIHDR", 16) + std::string(200, '\0');
+  const std::vector<std::pair<std::string, std::string>> samples{
+      {"<!DOCTYPE html>\n<html><body>Not found</body></html>", "it is a web page; download the file itself"},
+      {"\n<HTML>", "it is a web page; download the file itself"},
+      {"\xef\xbb\xbf<?xml version=\"1.0\"?><a/>", "it is XML"},
+      {"{\"error\": 404}", "it is JSON"},
+      {zipWith("part.stl"), "it is a zip archive; unpack it"},
+      {"\x1f\x8b\x08" + std::string(200, '\0'), "it is compressed with gzip; unpack it"},
+      {png, "it is a PNG picture"},
+      {"%PDF-1.4\n" + std::string(100, 'x'), "it is a PDF document"},
+      {"ISO-10303-21;\nHEADER;", "it is a STEP file; export a mesh from it"},
+      {"version https://git-lfs.github.com/spec/v1\noid sha256:",
+       "it is a pointer of Git LFS; fetch the file itself"}};
+  for (const char* extension : {".stl", ".obj", ".ply", ".off"})
+    for (const auto& [bytes, what] : samples) {
+      const std::string name = path(std::string("other") + extension).string();
+      std::ofstream(name, std::ios::binary) << bytes;
+      try {
+        readMesh(name);
+        ADD_FAILURE() << "read " << what << " as " << extension;
+      } catch (const Error& error) {
+        EXPECT_EQ(error.what(), name + ": " + what);
+        EXPECT_EQ(error.code(), ErrorCode::Input);
+      }
+    }
+  for (const auto& [name, bytes, what] :
+       std::vector<std::array<std::string, 3>>{{"text.obj", "solid a\nfacet normal 0 0 1\nendsolid", ".stl"},
+                                               {"ply.stl", "ply\nformat ascii 1.0\nend_header\n", ".ply"},
+                                               {"obj.off", "v 0 0 0\nf 1 2 3\n", ".obj"},
+                                               {"glb.ply", "glTF\x02", ".glb"},
+                                               {"vdb.stl", " BDV" + std::string(100, '\1'), ".vdb"}}) {
+    std::ofstream(path(name), std::ios::binary) << bytes;
+    try {
+      readMesh(path(name));
+      ADD_FAILURE() << "read " << name;
+    } catch (const Error& error) {
+      EXPECT_EQ(error.what(), path(name).string() + ": its bytes are those of a " + what + "; rename it");
+    }
+  }
+  // Formats that begin so keep their own messages, and a header of a binary STL may say anything.
+  std::ofstream(path("a.gltf")) << "{}";
+  std::ofstream(path("a.3mf")) << zipWith("readme.txt");
+  for (const char* name : {"a.gltf", "a.3mf"}) {
+    try {
+      readMesh(path(name));
+      ADD_FAILURE() << "read " << name;
+    } catch (const Error& error) {
+      for (const char* other : {"it is a zip archive", "it is JSON"})
+        EXPECT_EQ(std::string(error.what()).find(other), std::string::npos) << error.what();
+    }
+  }
+  std::string stl = binaryStl(1, 0).replace(0, 6, "{html}");
+  const float corners[9] = {0, 0, 0, 1, 0, 0, 0, 1, 0};
+  std::memcpy(stl.data() + 96, corners, sizeof corners);
+  std::ofstream(path("a.stl"), std::ios::binary) << stl;
+  EXPECT_EQ(readMesh(path("a.stl")).triangles.size(), 1u);
 }
 
 TEST_F(FileFormat, TellsMeshesFromFields) {

@@ -13,6 +13,7 @@ namespace {
 
 using samples::contains;
 using samples::isSquare;
+using samples::replaced;
 using samples::TemporaryFile;
 
 Mesh readAs(const std::string& extension, const std::string& bytes) {
@@ -33,6 +34,40 @@ TEST(ImportMesh, ReadsEachFormat) {
   EXPECT_TRUE(isSquare(readAs(".dae", samples::dae())));
   EXPECT_TRUE(isSquare(readAs(".fbx", samples::fbx())));
   EXPECT_TRUE(isSquare(readAs(".DAE", samples::dae())));
+}
+
+/// Returns the coordinates of the corners of the U.
+std::string numbersOfU(const std::string& separator) {
+  std::string numbers;
+  for (const glm::ivec2& p : samples::kU)
+    numbers += (numbers.empty() ? "" : separator) + std::to_string(p.x) + separator + std::to_string(p.y) +
+               separator + "0";
+  return numbers;
+}
+
+TEST(ImportMesh, CutsConcavePolygons) {
+  for (const char* node : {"", "<scale>-1 1 1</scale>"}) {
+    std::string dae = samples::dae(std::string("<node>") + node + R"(<instance_geometry url="#g"/></node>)");
+    dae = replaced(replaced(dae, R"(count="12")", R"(count="24")"), R"(count="4")", R"(count="8")");
+    dae = replaced(replaced(dae, "0 0 0 1 0 0 1 1 0 0 1 0", numbersOfU(" ")), "<vcount>4", "<vcount>8");
+    for (const size_t first : {0, 1}) {
+      const Mesh mesh = readAs(".dae", replaced(dae, "0 1 2 3<", samples::faceOfU(first, false) + "<"));
+      EXPECT_TRUE(samples::isU(mesh)) << first;
+      EXPECT_EQ(samples::areaVector(mesh), glm::dvec3(0, 0, 7)) << "mirrored or not";
+    }
+  }
+  std::string fbx = replaced(replaced(samples::fbx(), "*12", "*24"), "*4", "*8");
+  fbx = replaced(replaced(fbx, "0,0,0,1,0,0,1,1,0,0,1,0", numbersOfU(",")), "0,1,2,-4", "1,2,3,4,5,6,7,-1");
+  EXPECT_TRUE(samples::isU(readAs(".fbx", fbx)));
+}
+
+TEST(ImportMesh, WarnsOfWhatItCannotCut) {
+  const TemporaryFile file("import.dae", replaced(samples::dae(), "0 1 2 3<", "0 2 1 3<"));
+  std::string warnings;
+  readMesh(file.path(), {.warn = [&](const Warning& warning) { warnings += warning.message + "\n"; }});
+  EXPECT_EQ(warnings,
+            file.path().string() +
+                ": 1 face crosses itself, or its corners lie on a line: its triangles may overlap\n");
 }
 
 TEST(ImportMesh, AppliesNodesAndInstancesOfDae) {
@@ -74,6 +109,28 @@ TEST(ImportMesh, PassesOnTheImportersMessages) {
   EXPECT_TRUE(
       contains(errorAs(".fbx", std::string("Kaydara FBX Binary  \0\x1a\0\x4c\x1d\0\0\xff\xff\xff\xff", 31)),
                "import.fbx: "));
+}
+
+TEST(ImportMesh, NamesNumbersThatNoFileOfItsSizeHas) {
+  const std::string whole = samples::dae();
+  const auto error = [&](const std::string& from, const std::string& to) {
+    const std::string text = errorAs(".dae", samples::replaced(whole, from, to));
+    return text.substr(text.find(": ") + 2);
+  };
+  const std::string many = "4000000000";
+  for (const char* element : {"<float_array", "<polylist"}) {
+    const size_t at = whole.find("count=\"", whole.find(element));
+    ASSERT_NE(at, whole.npos) << element;
+    const size_t end = whole.find('"', at + 7);
+    const std::string damaged = whole.substr(0, at + 7) + many + whole.substr(end);
+    const std::string text = errorAs(".dae", damaged);
+    const auto line =
+        std::to_string(1 + std::count(damaged.begin(), damaged.begin() + static_cast<long>(at), '\n'));
+    EXPECT_TRUE(contains(text, ": line " + line + ": 'count' is 4000000000, but the whole file has " +
+                                   std::to_string(damaged.size()) + " bytes"))
+        << text;
+  }
+  EXPECT_TRUE(contains(error("<vcount>4", "<vcount>" + many), "a number of <vcount> is 4000000000"));
 }
 
 TEST(ImportMesh, CanBeUsedByManyThreads) {
@@ -118,7 +175,7 @@ TEST(ImportMesh, SurvivesWhateverTheImporterDoes) {
   {
     // A header that announces 2^56 vertices.
     const InPlaceOfTheImporter liar(
-        R"(printf 'RMI6\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\001\0\0\0\0\0\0\0\0')");
+        R"(printf 'RMI7\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\001\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0')");
     EXPECT_TRUE(contains(errorAs(".dae", ""), "more than 2^32 triangles or vertices"));
   }
   setenv("RAYMAP_IMPORT", "/nonexistent/importer", 1);

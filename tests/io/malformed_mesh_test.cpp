@@ -46,9 +46,18 @@ struct Sample {
 };
 
 std::vector<Sample> wholeFiles() {
-  return {{".obj", kObj},     {".off", kOff},        {".stl", kTextStl},        {".stl", binaryStl()},
-          {".ply", kTextPly}, {".ply", binaryPly()}, {".ply", binaryPly(true)}, {".glb", glb()},
-          {".3mf", threeMf()}};
+  return {{".obj", kObj},
+          {".off", kOff},
+          {".stl", kTextStl},
+          {".stl", binaryStl()},
+          {".ply", kTextPly},
+          {".ply", binaryPly()},
+          {".ply", binaryPly(true)},
+          {".glb", glb()},
+          {".3mf", threeMf()},
+          {".off", binaryOff()},
+          {".off", "OFF\n8 1 0\n" + cornersOfU() + "8" + faceOfU(1, false)},
+          {".obj", cornersOfU("v ") + "f" + faceOfU(1, true, 1)}};
 }
 
 std::vector<Sample> importedFiles() {
@@ -130,7 +139,11 @@ TEST(MalformedMesh, HugeCounts) {
   EXPECT_TRUE(contains(refusal({".off", replaced(kOff, "4 1 0", many + " 1 0")}), many));
   EXPECT_TRUE(contains(refusal({".off", replaced(kOff, "4 1 0", "4 " + many + " 0")}), many));
   EXPECT_NE(refusal({".off", replaced(kOff, "4 0 1 2 3", many + " 0 1 2 3")}), "");
-  EXPECT_TRUE(contains(refusal({".stl", binaryStl(4000000000u)}), many));
+  EXPECT_TRUE(contains(refusal({".stl", binaryStl(2000000000u)}), "2000000000"));
+  EXPECT_EQ(refusal({".stl", binaryStl(4000000000u)}), "") << "the size tells the truth";
+  EXPECT_NE(
+      refusal({".off", replaced(binaryOff(), raw<int32_t>({4, 1}, true), raw(4000000000u) + raw(1, true))}),
+      "");
   for (const std::string& whole : {kTextPly, binaryPly()}) {
     EXPECT_TRUE(contains(refusal({".ply", replaced(whole, "vertex 4", "vertex " + many)}), many));
     EXPECT_TRUE(contains(refusal({".ply", replaced(whole, "face 1", "face " + many)}), many));

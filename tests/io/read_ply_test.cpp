@@ -85,6 +85,74 @@ TEST(ReadPly, LeavesUnusedVerticesAlone) {
 const std::string kLongRows = replaced(kTextPly, "0 0 0\n1 0 0\n1 1 0\n0 1 0\n4 0 1 2 3\n",
                                        "0 0 0\n1 0 0 0.5 7\n1 1 0\n0 1 0 4\n4 0 1 2 3 0 255\n");
 
+TEST(ReadPly, CutsConcavePolygons) {
+  const std::string header =
+      "ply\nformat ascii 1.0\nelement vertex 8\nproperty float x\nproperty float y\nproperty float z\n"
+      "element face 1\nproperty list uchar int vertex_indices\nend_header\n";
+  for (size_t first = 0; first < samples::kU.size(); ++first)
+    for (const bool isReversed : {false, true})
+      EXPECT_TRUE(samples::isU(
+          read(readPly, header + samples::cornersOfU() + "8" + samples::faceOfU(first, isReversed)).mesh));
+  std::string binary = replaced(header, "ascii", "binary_little_endian");
+  for (const glm::ivec2& p : samples::kU) binary += samples::raw<float>({float(p.x), float(p.y), 0});
+  EXPECT_TRUE(
+      samples::isU(read(readPly, binary + '\x08' + samples::raw<int32_t>({1, 2, 3, 4, 5, 6, 7, 0})).mesh));
+  EXPECT_EQ(read(readPly, replaced(kTextPly, "4 0 1 2 3", "4 0 2 1 3")).warnings,
+            "sample.mesh: 1 face crosses itself, or its corners lie on a line: its triangles may overlap\n");
+}
+
+TEST(ReadPly, Takes64BitIntegers) {
+  for (const char* type : {"int64", "uint64", "long", "ulong"})
+    for (const char* count : {"uchar", "int64", "uint64"}) {
+      const std::string list = std::string("list ") + count + " " + type;
+      EXPECT_TRUE(isSquare(read(readPly, replaced(kTextPly, "list uchar int", list)).mesh)) << list;
+      for (const bool isBig : {false, true}) {
+        std::string file = replaced(binaryPly(isBig), "list uchar int", list);
+        file.resize(file.size() - 17);
+        file += *count == 'u' && count[1] == 'c' ? "\x04" : samples::raw<int64_t>(4, isBig);
+        file += samples::raw<int64_t>({0, 1, 2, 3}, isBig);
+        EXPECT_TRUE(isSquare(read(readPly, file).mesh)) << list;
+        EXPECT_TRUE(contains(errorOf(readPly, file.substr(0, file.size() - 1)), "the file ends too early"));
+      }
+    }
+  // Coordinates, among them one that single precision does not hold.
+  std::string far = "ply\nformat binary_little_endian 1.0\n" + samples::kPlyElements;
+  for (int axis = 0; axis < 3; ++axis) far = replaced(far, "float", "int64");
+  const int64_t offset = int64_t{1} << 40;
+  far += samples::raw<int64_t>({offset, 0, 0, offset + 1, 0, 0, offset + 1, 1, 0, offset, 1, 0});
+  const Mesh mesh = read(readPly, far + '\x04' + samples::raw<int32_t>({0, 1, 2, 3})).mesh;
+  EXPECT_EQ(mesh.origin.x, 0x1p40 + 0.5);
+  EXPECT_EQ(mesh.vertices[1].x - mesh.vertices[0].x, 1.0f);
+  // Numbers that are too large.
+  std::string huge = replaced(binaryPly(), "list uchar int", "list uchar uint64");
+  huge.resize(huge.size() - 16);
+  EXPECT_TRUE(contains(errorOf(readPly, huge + samples::raw<uint64_t>({0, 1, 2, uint64_t{1} << 63})),
+                       "vertex index 9223372036854775807 is out of range"));
+}
+
+TEST(ReadPly, EndsStripsOf64Bits) {
+  for (const char* type : {"int64", "uint64"}) {
+    std::string file = replaced(replaced(binaryPly(), "element face", "element tristrips"), "list uchar int",
+                                std::string("list uchar ") + type);
+    file.resize(file.size() - 17);
+    file += '\x07' + samples::raw<int64_t>({0, 1, 2, -1, 0, 2, 3});
+    EXPECT_TRUE(isSquare(read(readPly, file).mesh)) << type;
+  }
+}
+
+TEST(ReadPly, TakesCapitalsAndAByteOrderMark) {
+  std::string capitals = kTextPly;
+  for (const char* name : {"x", "y", "z"})
+    capitals = replaced(capitals, std::string("float ") + name, std::string("float ") + char(*name - 32));
+  EXPECT_TRUE(isSquare(read(readPly, capitals).mesh));
+  EXPECT_TRUE(isSquare(read(readPly, replaced(kTextPly, "float y", "float Y")).mesh));
+  EXPECT_TRUE(contains(errorOf(readPly, replaced(kTextPly, "float y", "float v")),
+                       "the vertices have no property y"));
+  for (const std::string& file : {kTextPly, binaryPly(), binaryPly(true)})
+    EXPECT_TRUE(isSquare(read(readPly, "\xef\xbb\xbf" + file).mesh));
+  EXPECT_EQ(errorOf(readPly, "\xff\xfep"), "sample.mesh: it is text in UTF-16; save it as UTF-8");
+}
+
 TEST(ReadPly, IgnoresValuesBeyondARow) {
   const samples::Reading reading = read(readPly, kLongRows);
   EXPECT_TRUE(isSquare(reading.mesh));

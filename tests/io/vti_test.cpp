@@ -1,6 +1,7 @@
 // Every encoding that VTK, ParaView and PyVista write, of the same samples.
 
 #include <gtest/gtest.h>
+#include <raymap/error.h>
 #include <raymap/io.h>
 
 #include "mesh_samples.h"
@@ -139,6 +140,28 @@ TEST(Vti, ReadsCompressedBlocks) {
   EXPECT_EQ(samplesOf(vti(kZlib, appended, "\"raw\">_" + header + data)), kSamples);
   EXPECT_EQ(samplesOf(vti(kZlib, appended, "\"base64\">_" + base64(header) + base64(data))), kSamples);
   EXPECT_EQ(samplesOf(vti(kZlib, "\"binary\">" + base64(header) + base64(data))), kSamples);
+}
+
+TEST(Vti, RefusesSpacingsThatMakeNoGrid) {
+  const auto messageOf = [](const std::string& spacing) {
+    std::string text = vti("", "\"ascii\">1 2 3 4 5 6 7 8 9 10 11 12");
+    text.replace(text.find("1 1 1\"><Piece"), 5, spacing);
+    try {
+      samplesOf(text);
+    } catch (const Error& error) {
+      return (error.code() == ErrorCode::Input ? "Input: " : "") + std::string(error.what());
+    }
+    return std::string("read");
+  };
+  EXPECT_EQ(messageOf("2 2 2.00001"), "read");
+  EXPECT_TRUE(messageOf("1 1 1.1").ends_with(": its cells are not cubes; resample it"));
+  for (const std::string wrong : {"nan", "inf", "0", "-1"})
+    for (const std::string& spacing : {wrong + " 1 1", "1 1 " + wrong, wrong + " " + wrong + " " + wrong}) {
+      const std::string message = messageOf(spacing);
+      EXPECT_TRUE(message.starts_with("Input: ")) << message;
+      EXPECT_TRUE(message.ends_with(": the grid's spacing is " + wrong + ", not a positive number"))
+          << message;
+    }
 }
 
 TEST(Vti, RefusesDamagedBlocks) {

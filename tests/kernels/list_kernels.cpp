@@ -14,7 +14,6 @@
 #include "method/pipeline.h"
 #include "scene/scene.h"
 #include "testing/kernels/shader_names.h"
-#include "testing/kernels/spirv_counters.h"
 #include "testing/kernels/vulkan_entry.h"
 #include "vulkan/runtime/frame_backend.h"
 #include "vulkan/stages/render_field.h"
@@ -192,19 +191,13 @@ int run(uint32_t subgroupSize) {
   Device device({.index = 0, .validation = Validation::Off});
   makeKernels(device);
   std::set<std::string> missing;
-  std::map<std::string, StaticWork> work;
-  for (const Shader& shader : shaders::kAll) {
-    missing.emplace(shader.name);
-    work.emplace(shader.name, staticWork(shader.code));
-  }
+  for (const Shader& shader : shaders::kAll) missing.emplace(shader.name);
   for (const CompiledKernel& kernel : statistics.kernels()) {
     missing.erase(kernel.name);
     const nlohmann::ordered_json line{{"kernel", kernel.name},
                                       {"constants", kernel.constants},
                                       {"subgroup_size", kernel.subgroupSize},
                                       {"full_subgroups", kernel.hasFullSubgroups},
-                                      {"operations", work.at(kernel.name).operations},
-                                      {"has_loops", !work.at(kernel.name).isStraight},
                                       {"statistics", kernel.statistics}};
     std::puts(line.dump().c_str());
   }

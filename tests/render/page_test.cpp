@@ -81,6 +81,14 @@ Field sphereField(const glm::ivec3& dims, double radius, double spacing) {
   return analytic::sampled(grid, [&](const glm::dvec3& p) { return analytic::sphere(p, radius * spacing); });
 }
 
+TEST(Page, HasATitleThatCannotTurnItself) {
+  const Field field = sphereField({9, 9, 9}, 3.0, 0.25);
+  const std::string page = makePage(field, kSmall, {.title = "a\xe2\x80\xae\x1b\xff<"}).html;
+  EXPECT_NE(page.find("<title>a\\u202e\\x1b\\xff&lt;</title>"), std::string::npos);
+  EXPECT_EQ(dataOf(page)["fields"][0]["name"], "a\\u202e\\x1b\\xff<");
+  EXPECT_EQ(page.find("\xe2\x80\xae"), std::string::npos);
+}
+
 TEST(Page, HoldsTheDistances) {
   const TemporaryFolder folder;
   const Field field = sphereField({19, 23, 17}, 6.0, 0.25);

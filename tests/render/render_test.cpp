@@ -441,7 +441,7 @@ TEST(Render, RefusesWhatCannotBeDrawn) {
   EXPECT_EQ(refusal(field, {.shell = 0.2}), ErrorCode::Usage);
   Field tiny = ball(16, 0.7);
   tiny.grid.spacing = 1e-310;  // Distances in such samples are not finite.
-  EXPECT_EQ(refusal(tiny, {}), ErrorCode::Input);
+  EXPECT_EQ(refusal(tiny, {}), ErrorCode::Usage);
   field.distance[77] = std::numeric_limits<float>::quiet_NaN();
   EXPECT_EQ(refusal(field, {}), ErrorCode::Input);
   Field nowhere = ball(16, 0.7);

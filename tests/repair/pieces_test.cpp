@@ -1,4 +1,4 @@
-#include "repair/topology/pieces.h"
+#include "mesh/pieces.h"
 
 #include <gtest/gtest.h>
 
@@ -47,7 +47,7 @@ TEST(Pieces, HaveVolumesAndPiecesAround) {
     EXPECT_EQ(found.pieces[p].isCavity(), p == 1);
   }
   EXPECT_EQ(around(found), (std::vector<uint32_t>{kNone, 0, 1, kNone}));
-  EXPECT_TRUE(found.areApart);
+  EXPECT_TRUE(found.areApart());
   for (size_t f = 0; f < 48; ++f) EXPECT_EQ(found.ids[f], f / 12);
 }
 
@@ -79,7 +79,7 @@ TEST(Pieces, AreInTheSmallestBallAroundThem) {
   for (const Ball& ball : balls) mesh = joined(mesh, shapes::sphere(ball.radius, 2, ball.centre));
   const Pieces found = nested(mesh, 16);
   ASSERT_EQ(found.pieces.size(), balls.size());
-  EXPECT_TRUE(found.areApart);
+  EXPECT_TRUE(found.areApart());
   size_t inside = 0;
   for (size_t p = 0; p < balls.size(); ++p) {
     uint32_t expected = kNone;
@@ -95,10 +95,10 @@ TEST(Pieces, AreInTheSmallestBallAroundThem) {
 }
 
 TEST(Pieces, ThatTouchOrOverlapAreNotApart) {
-  EXPECT_TRUE(nested(joined(cube(0, 10), box({11, 0, 0}, {20, 10, 10})), 64).areApart);
-  EXPECT_FALSE(nested(joined(cube(0, 10), box({0, 0, 5}, {10, 10, 20})), 64).areApart);
-  EXPECT_FALSE(nested(joined(cube(0, 10), box({10, 1, 1}, {20, 9, 9})), 64).areApart);
-  EXPECT_FALSE(nested(joined(cube(0, 10), box({5, 5, 5}, {15, 15, 15})), 64).areApart);
+  EXPECT_TRUE(nested(joined(cube(0, 10), box({11, 0, 0}, {20, 10, 10})), 64).areApart());
+  EXPECT_FALSE(nested(joined(cube(0, 10), box({0, 0, 5}, {10, 10, 20})), 64).areApart());
+  EXPECT_FALSE(nested(joined(cube(0, 10), box({10, 1, 1}, {20, 9, 9})), 64).areApart());
+  EXPECT_FALSE(nested(joined(cube(0, 10), box({5, 5, 5}, {15, 15, 15})), 64).areApart());
 }
 
 TEST(Pieces, TouchWithinAShareOfTheirSize) {
@@ -111,7 +111,7 @@ TEST(Pieces, TouchWithinAShareOfTheirSize) {
                          {{-share, 0.4, 0.4}, {-share, 0.4, 0.6}, {-share, 0.6, 0.4}, {-0.2, 0.4, 0.4}});
     mesh.triangles.insert(mesh.triangles.end(), {{8, 10, 9}, {8, 9, 11}, {9, 10, 11}, {10, 8, 11}});
     for (glm::vec3& v : mesh.vertices) v *= size;
-    return nested(mesh, 1).areApart;
+    return nested(mesh, 1).areApart();
   };
   for (const float size : {1e-3f, 1.0f, 1e3f}) {
     EXPECT_FALSE(areApart(size, 0.5e-10f)) << size;
@@ -128,8 +128,8 @@ TEST(Pieces, AreNotApartIfTheOnlyRayOfOneStartsOnAnother) {
     return joined(cube(0, 10), tip);
   };
   EXPECT_GT(findPieces(mesh(0.0)).pieces[1].volume, 0.0);
-  EXPECT_FALSE(nested(mesh(0.0), 1).areApart);
-  EXPECT_TRUE(nested(mesh(0.001), 1).areApart);
+  EXPECT_FALSE(nested(mesh(0.0), 1).areApart());
+  EXPECT_TRUE(nested(mesh(0.001), 1).areApart());
 }
 
 Choice chosen(const Mesh& mesh, const RepairOptions& repair, RepairReport& report) {

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "broken_meshes.h"
 #include "shapes.h"
@@ -109,20 +110,14 @@ TEST(WindingRimsSamples, DecideSignsNearTheThreshold) {
   const Mesh mesh = withHoles(shapes::sphere(1.0, 3), 4, 0.12, 5);
   const Grid grid = fitGrid(mesh, {.resolution = 40});
   const RayMap map = rayMapOf(mesh, grid);
-  Buffer<float> winding(grid.sampleCount()), distance(grid.sampleCount());
-  std::fill(distance.begin(), distance.end(), 0.0f);
-  RimLattices lattices = findRimLattices(mesh, grid);
+  Buffer<float> winding(grid.sampleCount());
+  std::fill(winding.begin(), winding.end(), 0.45f);
+  std::vector<uint32_t> samples(winding.size() - 1);
+  std::iota(samples.begin(), samples.end(), 1u);
   Progress progress;
-  for (const bool isFit : {false, true}) {
-    if (isFit) lattices.computed.clear();
-    std::fill(winding.begin(), winding.end(), 0.45f);
-    const float far = 0.5f + 1.01f * numberError(lattices.source(), 0.0f);
-    winding[0] = far;
-    settleByRims(map, lattices, distance, 0.5, progress, winding);
-    EXPECT_EQ(winding[0], far);
-    winding[0] = 0.0f;
-    EXPECT_EQ(countWrongSigns(mesh, grid, winding), 0u);
-  }
+  settleByRims(map, findRimLattices(mesh, grid), samples, progress, winding);
+  EXPECT_EQ(winding[0], 0.45f);
+  EXPECT_EQ(countWrongSigns(mesh, grid, winding), 0u);
 }
 
 TEST(WindingRimsSamples, AnswerTiesAlike) {
@@ -146,24 +141,39 @@ RimLattices latticesWith(int triangles) {
 
 TEST(RimLattices, AreLeftOutWhereTheFitIsFaster) {
   EXPECT_TRUE(findRimLattices(sheet(), fitGrid(sheet(), {.resolution = 64})).haveAll());
-  const RimLattices few = latticesWith(512), many = latticesWith(513), most = latticesWith(1366);
-  EXPECT_EQ(few.rims.size(), 1536u);
-  EXPECT_FALSE(few.haveAll());
-  EXPECT_FALSE(few.needDipoles());
-  EXPECT_EQ(few.source(), kFromFit);
-  EXPECT_EQ(many.rims.size(), 1539u);
-  EXPECT_TRUE(many.needDipoles());
-  EXPECT_EQ(many.source(), kFromDipoles);
-  EXPECT_TRUE(most.rims.empty());
-  EXPECT_TRUE(most.needDipoles());
+  struct Case {
+    int triangles;
+    uint32_t looks;
+  };
+  for (const auto& [triangles, looks] :
+       {Case{512, 0}, Case{513, kLooks - 1}, Case{1365, kLooks - 1}, Case{1366, kLooks}}) {
+    const RimLattices lattices = latticesWith(triangles);
+    EXPECT_FALSE(lattices.haveAll());
+    EXPECT_EQ(lattices.source(), kFromFit);
+    EXPECT_EQ(lattices.rims.size(), size_t(3 * triangles));
+    EXPECT_EQ(lattices.looks, looks) << triangles;
+  }
+}
+
+TEST(RimLattices, AreLeftOutWhereTheyAreTooMany) {
+  const Mesh line = makeMesh(std::vector<glm::dvec3>{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}});
+  const PackedMesh mesh(line);
+  const Grid grid = fitGrid(line, {.resolution = 8});
+  for (const uint32_t times : {1u << 18, (1u << 18) + 1}) {
+    const std::vector<RimEdge> edges{{.from = 0, .to = 1, .times = times}};
+    const RimLattices lattices = findRimLattices(mesh, edges, grid, SignMode::Harmonic);
+    EXPECT_EQ(lattices.rims.size(), times == 1u << 18 ? times : 0u);
+    EXPECT_EQ(lattices.looks, kLooks);
+    EXPECT_EQ(findRimLattices(mesh, edges, grid, SignMode::Exact).rims.size(), times);
+  }
 }
 
 TEST(RimLattices, AreLeftOutWhereTrianglesAreFewer) {
   const Mesh soup = shapes::soup(100, 3);
   const RimLattices lattices = findRimLattices(soup, fitGrid(soup, {.resolution = 16}));
-  EXPECT_TRUE(lattices.rims.empty());
+  EXPECT_EQ(lattices.rims.size(), 300u);
   EXPECT_FALSE(lattices.haveAll());
-  EXPECT_TRUE(lattices.needDipoles());
+  EXPECT_EQ(lattices.looks, kLooks);
 }
 
 TEST(RimLattices, NeedTheWholeMeshInTheGrid) {
@@ -172,7 +182,7 @@ TEST(RimLattices, NeedTheWholeMeshInTheGrid) {
   grid.origin.x += 20.0;
   const RimLattices lattices = findRimLattices(mesh, grid);
   EXPECT_FALSE(lattices.haveAll());
-  EXPECT_FALSE(lattices.needDipoles());
+  EXPECT_EQ(lattices.looks, 0u);
   EXPECT_EQ(lattices.source(), kFromFit);
 }
 

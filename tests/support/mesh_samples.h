@@ -6,6 +6,7 @@
 #include <raymap/error.h>
 #include <raymap/mesh_view.h>
 
+#include <cmath>
 #include <cstdint>
 #include <cstring>
 #include <fstream>
@@ -59,6 +60,43 @@ inline std::string binaryPly(bool bigEndian = false) {
   return std::string("ply\nformat binary_") + (bigEndian ? "big" : "little") + "_endian 1.0\n" +
          kPlyElements + raw<float>({0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0}, bigEndian) + raw<uint8_t>(4) +
          raw<int32_t>({0, 1, 2, 3}, bigEndian);
+}
+
+inline std::string binaryOff() {
+  return "OFF BINARY\n" + raw<int32_t>({4, 1, 0}, true) +
+         raw<float>({0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0}, true) + raw<int32_t>({4, 0, 1, 2, 3, 0}, true);
+}
+
+/// Corners of a U of area 7, whose fan around most corners closes its mouth.
+inline const std::vector<glm::ivec2> kU{{0, 0}, {3, 0}, {3, 3}, {2, 3}, {2, 1}, {1, 1}, {1, 3}, {0, 3}};
+
+/// Returns a line for each corner of the U: `prefix` and three coordinates.
+inline std::string cornersOfU(const std::string& prefix = "") {
+  std::string lines;
+  for (const glm::ivec2& p : kU) lines += prefix + std::to_string(p.x) + " " + std::to_string(p.y) + " 0\n";
+  return lines;
+}
+
+/// Returns the numbers of the U's corners, from `first` on or backwards from it, plus `offset`.
+inline std::string faceOfU(size_t first, bool isReversed, size_t offset = 0) {
+  std::string face;
+  for (size_t c = 0; c < kU.size(); ++c)
+    face += " " + std::to_string((first + (isReversed ? kU.size() - c : c)) % kU.size() + offset);
+  return face;
+}
+
+/// Returns the sum of the triangles' areas.
+inline double areaOf(const Mesh& mesh) {
+  double sum = 0.0;
+  for (const glm::uvec3& t : mesh.triangles) {
+    const glm::dvec3 a(mesh.vertices[t.x]), b(mesh.vertices[t.y]), c(mesh.vertices[t.z]);
+    sum += 0.5 * glm::length(glm::cross(b - a, c - a));
+  }
+  return sum;
+}
+
+inline bool isU(const Mesh& mesh) {
+  return mesh.triangles.size() == 6 && std::abs(areaOf(mesh) - 7.0) < 1e-6;
 }
 
 inline const std::string kOff = "OFF\n4 1 0\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n4 0 1 2 3\n";

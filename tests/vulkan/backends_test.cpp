@@ -212,6 +212,47 @@ TEST_F(Backends, TakeTheSameDoubleSidedFaces) {
   }
 }
 
+TEST_F(Backends, CountRepeatedFacesOnce) {
+  const Mesh ball = shapes::sphere(1.0, 2);
+  const Mesh holed = keepTriangles(ball, [&](const glm::uvec3& t) { return ball.position(t.x).z < 0.8; });
+  Generator generator;
+  for (const Mesh& single : {ball, holed})
+    for (const SignMode sign : {SignMode::Ray, SignMode::Harmonic, SignMode::Exact})
+      for (const bool closes : {false, true}) {
+        SCOPED_TRACE(::testing::Message() << single.triangles.size() << " faces, sign " << int(sign));
+        FieldOptions options = everything();
+        options.sign = sign;
+        options.orientation = closes ? Orientation::Auto : Orientation::Keep;
+        options.closeHoles = closes;
+        const Grid grid = fitGrid(single, {.resolution = 12});
+        Field cpu, gpu;
+        generator.generate(single, grid, options, cpu, kCpu);
+        const Stats stats = generator.generate(shapes::joined(single, single), grid, options, gpu, kGpu);
+        expectSame(cpu, gpu, single);
+        ASSERT_EQ(stats.leftOutFaces.size(), single.triangles.size());
+        EXPECT_EQ(stats.leftOutFaces.front(), single.triangles.size());
+      }
+}
+
+TEST_F(Backends, TurnTheSameInvertedParts) {
+  const Mesh first = shapes::sphere(1.0, 2),
+             second = shapes::inverted(shapes::sphere(0.8, 2, {0.9, 0.2, 0.1}));
+  const Mesh open = keepTriangles(second, [&](const glm::uvec3& t) { return second.position(t.x).x < 1.6; });
+  Generator generator;
+  for (const Mesh& part : {second, open}) {
+    const Mesh mesh = shapes::joined(first, part);
+    const Grid grid = fitGrid(mesh, {.resolution = 16});
+    Field cpu, gpu;
+    const Stats onCpu = generator.generate(mesh, grid, everything(), cpu, kCpu);
+    const Stats onGpu = generator.generate(mesh, grid, everything(), gpu, kGpu);
+    EXPECT_EQ(onCpu.invertedParts, std::vector<uint32_t>{uint32_t(first.triangles.size())});
+    EXPECT_EQ(onGpu.invertedParts, onCpu.invertedParts);
+    EXPECT_EQ(onGpu.turnedFaces, onCpu.turnedFaces);
+    EXPECT_EQ(onGpu.turnedFaces.size(), part.triangles.size());
+    expectSame(cpu, gpu, mesh);
+  }
+}
+
 TEST_F(Backends, GiveTheSameInABoxThatCutsTheMesh) {
   const Mesh mesh = shapes::torus(1.0, 0.3, 40, 20);
   const Grid grid = fitGrid(mesh, {.resolution = 30, .box = Box{{-0.2, -1.5, -0.1}, {1.0, 0.4, 0.9}}});

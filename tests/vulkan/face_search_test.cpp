@@ -31,6 +31,7 @@ class VulkanFaceSearch : public VulkanTest {
     EXPECT_EQ(found.firsts, expected.firsts);
     EXPECT_EQ(found.others, expected.others);
     EXPECT_EQ(found.groupOf, expected.groupOf);
+    EXPECT_EQ(found.repeated, expected.repeated);
   }
 
   static std::vector<std::tuple<uint32_t, uint32_t, uint32_t>> tuples(const std::vector<RimEdge>& edges) {

@@ -64,6 +64,7 @@ TEST_F(VulkanFrames, MoveSkinsAsTheCpuDoes) {
     change(changed);
     return refusal([&](VkCommandBuffer commands) { skinner.record(commands, changed, range(moved)); });
   };
+  EXPECT_EQ(codeOf([&] { skinner.record(VK_NULL_HANDLE, skin, range(moved)); }), ErrorCode::Usage);
   EXPECT_EQ(refused([](SkinBuffers& s) { s.rest = {}; }), ErrorCode::Usage);
   EXPECT_EQ(refused([](SkinBuffers& s) { s.weights = {}; }), ErrorCode::Usage);
   EXPECT_EQ(refused([](SkinBuffers& s) { s.weights.offset += 4; }), ErrorCode::Usage);
@@ -204,6 +205,8 @@ TEST_F(VulkanFrames, DrawThePicturesOfTheCpu) {
       renderer.record(commands, changed, asked, {.pixels = range(pixels)});
     });
   };
+  EXPECT_EQ(codeOf([&] { renderer.record(VK_NULL_HANDLE, onDevice, options, {.pixels = range(pixels)}); }),
+            ErrorCode::Usage);
   EXPECT_EQ(refused([](FieldBuffer& f, RenderOptions&) { f.distance = {}; }), ErrorCode::Usage);
   EXPECT_EQ(refused([](FieldBuffer& f, RenderOptions&) { f.grid.dims.y = 0; }), ErrorCode::Usage);
   EXPECT_EQ(refused([](FieldBuffer& f, RenderOptions&) { f.grid.spacing = 0; }), ErrorCode::Usage);

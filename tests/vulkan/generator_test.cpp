@@ -15,8 +15,8 @@ TEST_F(VulkanGenerator, MatchesTheBackendOfTheHost) {
   sampled.sampling = Sampling::Paper;
   expectAsOnTheHostsWay(mesh, grid, sampled);
   // The host takes rims, which the device does not know, unless they are so many.
-  const Mesh soup = shapes::soup(1500, 4);
-  const Grid around = fitGrid(soup, {.resolution = 20});
+  const Mesh soup = shapes::soup(1400, 4);
+  const Grid around = fitGrid(soup, {.resolution = 12});
   expectAsOnTheHostsWay(soup, around, everything(DistanceMode::Exact, SignMode::Harmonic));
   FieldOptions options = everything(DistanceMode::Exact, SignMode::Harmonic);
   options.band = 2.0;

@@ -21,7 +21,7 @@ TEST_F(VulkanWindingRims, MatchTheCpu) {
       const Grid grid = fitGrid(mesh, {.resolution = resolution});
       RimLattices lattices = findRimLattices(mesh, grid);
       lattices.computed.clear();
-      compareRims(Probe(device()), stage, rayMapOf(mesh, grid), lattices);
+      compareRims(Probe(device()), stage, grid.dims, crossingsOf(mesh, grid), lattices);
     }
 }
 
@@ -33,7 +33,7 @@ TEST_F(VulkanWindingRims, MatchTheCpuBetweenLattices) {
     const Grid grid = fitGrid(mesh, {.resolution = resolution});
     const RimLattices lattices = findRimLattices(mesh, grid);
     ASSERT_TRUE(lattices.haveAll());
-    compareRims(Probe(device()), stage, rayMapOf(mesh, grid), lattices);
+    compareRims(Probe(device()), stage, grid.dims, crossingsOf(mesh, grid), lattices);
   }
 }
 

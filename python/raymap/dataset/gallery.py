@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 from urllib.parse import quote
 
-from .files import readable
+from .files import printable, readable
 from .work import Job
 
 #: Most pictures at once; a browser gets slow beyond.
@@ -113,7 +113,7 @@ def _failed(job: Job, row: dict[str, Any]) -> str:
 
 
 def _other(name: str) -> str:
-    return f'<tr><td><a href="{_quoted(name)}">{html.escape(readable(name))}</a>'
+    return f'<tr><td><a href="{_quoted(name)}">{html.escape(printable(readable(name)))}</a>'
 
 
 def _figure(job: Job, row: dict[str, Any]) -> dict[str, Any]:

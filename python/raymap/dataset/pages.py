@@ -13,7 +13,7 @@ from typing import Any
 
 from .._errors import UsageError
 from .._raymap import write_whole
-from .files import readable
+from .files import printable, readable
 from .gallery import gallery
 from .work import KINDS, Job, Outcome, read_marker
 
@@ -52,7 +52,7 @@ def write_pages(
     text = io.StringIO()
     table = csv.DictWriter(text, columns, lineterminator="\n")
     table.writeheader()
-    table.writerows(row for _, row in rows)
+    table.writerows({name: _cell(value) for name, value in row.items()} for _, row in rows)
     write_whole(table_path, text.getvalue().encode())
     if parquet is not None:
         write_whole(parquet, _parquet(columns, [row for _, row in rows]))
@@ -81,15 +81,20 @@ def _pandas(schema: Any) -> dict[str, Any]:
     return {"index_columns": [], "column_indexes": [], "columns": columns, "pandas_version": "2"}
 
 
+def _cell(value: Any) -> Any:
+    """Returns a cell of the table. Spreadsheets take a text that begins so for a formula, unless a ' is before it."""
+    return f"'{value}" if isinstance(value, str) and value.startswith(("=", "+", "-", "@")) else value
+
+
 def _row(job: Job, unfinished: dict[str, str]) -> dict[str, Any]:
     marker = None if job.name in unfinished else read_marker(job.marker)
     if marker is None:
         marker = {"state": "unfinished", "reason": unfinished.get(job.name, "")}
     return {
-        "mesh": readable(job.name),
+        "mesh": printable(readable(job.name)),
         "state": marker["state"],
-        "reason": marker.get("reason", ""),
-        "warnings": "; ".join(warning["message"] for warning in marker.get("warnings", [])),
+        "reason": printable(marker.get("reason", "")),
+        "warnings": printable("; ".join(warning["message"] for warning in marker.get("warnings", []))),
         "warning_codes": " ".join(dict.fromkeys(warning["code"] for warning in marker.get("warnings", []))),
         "mesh_sha256": marker.get("mesh_sha256", ""),
         **_cells(marker.get("info", {})),

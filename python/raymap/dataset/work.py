@@ -16,7 +16,7 @@ from typing import Any, Literal, NamedTuple, TypeAlias, TypedDict
 from .._raymap import version, write_whole
 from .._whole_file import file_errors, folder_beside
 from .children import Children, Failure
-from .files import buffer_hashes, file_hash
+from .files import buffer_hashes, file_hash, readable
 from .storage import MeshUnreadable, mesh_here, unreadable
 
 State: TypeAlias = Literal["done", "quarantined", "unfinished"]
@@ -136,7 +136,7 @@ def _work(job: Job, children: Children) -> Outcome:
     with file_errors():
         job.marker.parent.mkdir(parents=True, exist_ok=True)
         with folder_beside(job.result) as folder:
-            answer = children.do(_request(job, folder), job.time_limit)
+            answer = _without_folder(children.do(_request(job, folder), job.time_limit), job)
             inputs = {"key": key, **hashes, "what": job.what, "format": job.format, "options": job.options}
             marker = {**inputs, "raymap": version()}
             if not isinstance(answer, Failure):
@@ -146,6 +146,16 @@ def _work(job: Job, children: Children) -> Outcome:
                 return Outcome(job.name, "unfinished", False, answer.reason)
             _quarantine(job, answer, marker)
             return Outcome(job.name, "quarantined", True)
+
+
+def _without_folder(answer: dict[str, Any] | Failure, job: Job) -> dict[str, Any] | Failure:
+    """Returns an answer whose texts name the mesh's files by their paths below its folder: pages may be published."""
+    above = job.mesh.removesuffix(job.name)
+    folder = readable(above if above.endswith("/") else os.path.join(os.path.dirname(job.mesh), ""))
+    if isinstance(answer, Failure):
+        return Failure(answer.reason.replace(folder, ""), answer.log.replace(folder, ""), answer.is_machine)
+    warnings = [{**warning, "message": warning["message"].replace(folder, "")} for warning in answer["warnings"]]
+    return {**answer, "warnings": warnings}
 
 
 def _found(job: Job) -> tuple[Hashes, State | None]:

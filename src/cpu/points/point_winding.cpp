@@ -15,6 +15,7 @@
 #include "cpu/points/face_crossings.h"
 #include "cpu/sign/sign.h"
 #include "method/winding_dipoles_shared.h"
+#include "method/winding_doubts_shared.h"
 
 namespace raymap::cpu {
 

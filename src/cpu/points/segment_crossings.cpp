@@ -42,8 +42,8 @@ HWY_INLINE uint32_t nodesAt(const DiscPacket& discs, const Capsule& capsule) {
                 z = hn::Sub(read(discs.cz), set(capsule.from.z));
     const Float nx = read(discs.nx), ny = read(discs.ny), nz = read(discs.nz);
     const Float half = hn::Add(read(discs.halfThickness), radius);
-    // Where the axis enters and leaves the slab of the disc, 0 at its start and 1 at its end. Along the slab
-    // the axis is in it everywhere or nowhere.
+    // Parameters at which the axis enters and leaves the slab of the disc, 0 at its start and 1 at its end.
+    // Along the slab the axis is in it everywhere or nowhere.
     const Float height = dot(x, y, z, nx, ny, nz), rise = dot(ux, uy, uz, nx, ny, nz);
     const Float steep = hn::CopySign(hn::Max(hn::Abs(rise), set(1e-20f)), rise);
     const Float s = hn::Div(hn::Sub(height, half), steep), e = hn::Div(hn::Add(height, half), steep);

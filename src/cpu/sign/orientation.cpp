@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "base/parallel.h"
+#include "cpu/sign/crossings_lines.h"
 #include "cpu/sign/ray_sweep.h"
 #include "method/orientation_shared.h"
 
@@ -19,18 +20,6 @@ struct Misfit {
   double squares = 0.0, jumps = 0.0;
 };
 
-/// Adds the misfit of one line. The field fits as well as possible, so the residual is orthogonal to all
-/// differences of fields. Its square is then its product with the jumps, and only crossed edges count.
-void addLine(std::span<const Crossing> line, const float* field, size_t stride, int samples, Misfit& sum) {
-  for (const Crossing& crossing : line) {
-    if (crossing.signedCount == 0 || crossing.index < 0 || crossing.index + 1 >= samples) continue;
-    const float* at = field + size_t(crossing.index) * stride;
-    const double jump = crossing.signedCount;
-    sum.squares += jump * (jump - (double(at[0]) - double(at[stride])));
-    sum.jumps += std::abs(jump);
-  }
-}
-
 /// Returns the number of a sample's six rays that cross an odd number of faces. A sum of +1 and -1 is odd
 /// exactly if their number is odd.
 int oddRays(const RayRow& row, size_t i) {
@@ -41,28 +30,18 @@ int oddRays(const RayRow& row, size_t i) {
 
 }  // namespace
 
+/// The field fits as well as possible, so the residual is orthogonal to all differences of fields. Its square
+/// is then its product with the jumps, and only crossed edges count.
 double measureMisfit(const glm::ivec3& dims, const Crossings& crossings, const Buffer<float>& winding) {
-  constexpr size_t kLinesPerPart = 1024;
-  const size_t strides[] = {1, size_t(dims.x), size_t(dims.x) * size_t(dims.y)};
+  const auto add = [&](Misfit& sum, const CrossedEdge& edge) {
+    const double jump = edge.signedCount;
+    sum.squares += jump * (jump - (double(winding[edge.from]) - double(winding[edge.to])));
+    sum.jumps += std::abs(jump);
+  };
   Misfit sum;
-  for (int axis = 0; axis < 3; ++axis) {
-    const LineAxes across(axis);
-    const AxisCrossings& lines = crossings[size_t(axis)];
-    const size_t count = lines.starts.size() - 1, width = size_t(dims[across.u]);
-    // Each part has its own sum, so that the order of all additions is always the same.
-    std::vector<Misfit> parts((count + kLinesPerPart - 1) / kLinesPerPart);
-    parallelFor(parts.size(), 1, [&](size_t part, size_t) {
-      for (size_t line = part * kLinesPerPart; line < std::min((part + 1) * kLinesPerPart, count); ++line) {
-        const uint64_t first = lines.starts[line], end = lines.starts[line + 1];
-        const size_t sample = line % width * strides[across.u] + line / width * strides[across.v];
-        addLine({lines.entries.data() + first, size_t(end - first)}, winding.data() + sample, strides[axis],
-                dims[axis], parts[part]);
-      }
-    });
-    for (const Misfit& part : parts) {
-      sum.squares += part.squares;
-      sum.jumps += part.jumps;
-    }
+  for (const Misfit& part : sumCrossedEdges<Misfit>(dims, crossings, add)) {
+    sum.squares += part.squares;
+    sum.jumps += part.jumps;
   }
   return sum.jumps > 0.0 ? sum.squares / sum.jumps : 0.0;
 }

@@ -28,6 +28,8 @@ namespace {
 
 using Moments = WindingDipoles::Moments;
 
+constexpr float kHalfOfAll = 2.0f * std::numbers::pi_v<float>;  ///< Half the solid angle of all directions.
+
 /// Returns half the solid angle of each triangle of a packet, seen from p. It is zero in a triangle's plane.
 HWY_INLINE Float halfSolidAngle(const Triangle<Each>& t, const glm::vec3& p) {
   const Tag d;
@@ -128,15 +130,19 @@ class SolidAngles {
   /// Returns the winding number of the triangles around p. Groups are distant from `distant` radii on.
   float windingNumber(const glm::vec3& p, float distant) {
     distant2_ = distant * distant;
-    sum_ = hn::Zero(Tag());
+    sum_ = squaredErrors_ = hn::Zero(Tag());
     stack_.push_back(tree_.root() / kPacket);
     while (!stack_.empty()) {
       const uint32_t packet = stack_.back();
       stack_.pop_back();
       forEachLane(addDistant(packet, p), [&](size_t lane) { open(packet * kPacket + uint32_t(lane), p); });
     }
-    constexpr float kHalfOfAll = 2.0f * std::numbers::pi_v<float>;
     return hn::GetLane(hn::SumOfLanes(Tag(), sum_)) / kHalfOfAll;
+  }
+
+  /// Returns how far the last number may be wrong.
+  float error() const {
+    return kErrorOfDipoles / kHalfOfAll * std::sqrt(hn::GetLane(hn::SumOfLanes(Tag(), squaredErrors_)));
   }
 
  private:
@@ -183,6 +189,8 @@ class SolidAngles {
       const Float bracket = hn::NegMulAdd(hn::Mul(hn::Set(d, 3.0f), second), inverse2, hn::Add(flux, trace));
       const Float half = hn::Mul(hn::Mul(hn::Set(d, 0.5f), bracket), hn::Mul(inverse2, inverse));
       sum_ = hn::Add(sum_, hn::IfThenElseZero(distant, half));
+      const Float error = hn::IfThenElseZero(distant, hn::Mul(half, hn::Mul(reach2, inverse2)));
+      squaredErrors_ = hn::MulAdd(error, error, squaredErrors_);
       close |= bits(hn::Not(distant)) << i;
     }
     return close;
@@ -191,7 +199,7 @@ class SolidAngles {
   const SurfaceTree& tree_;
   const Moments* moments_;
   float distant2_ = 0.0f;
-  Float sum_;
+  Float sum_, squaredErrors_;
   std::vector<uint32_t> stack_;  // packets of nodes
 };
 
@@ -228,28 +236,41 @@ void look(const SurfaceTree& tree, const Moments* moments, std::span<const glm::
   for (size_t p = 0; p < points.size(); ++p) winding[p] = solidAngles.windingNumber(points[p], kDistant[2]);
 }
 
+struct Settled {
+  float winding;
+  bool isSure;
+};
+
 /// Looks ever closer while the number is close to the threshold.
-float settle(SolidAngles& solidAngles, const glm::vec3& p, float threshold, WindingDipoles::Looks looks) {
-  float winding = 0.0f;
-  for (uint32_t look = looks.first; look < looks.end; ++look) {
-    winding = solidAngles.windingNumber(p, kDistant[look]);
-    if (std::abs(std::abs(winding) - threshold) >= kClose[look]) break;
+Settled settle(SolidAngles& solidAngles, const glm::vec3& p, float threshold, WindingDipoles::Looks looks) {
+  Settled result{.winding = 0.0f, .isSure = false};
+  for (uint32_t look = looks.first; look < looks.end && !result.isSure; ++look) {
+    result.winding = solidAngles.windingNumber(p, kDistant[look]);
+    result.isSure =
+        std::abs(std::abs(result.winding) - threshold) >= std::max(kClose[look], solidAngles.error());
   }
-  return winding;
+  return result;
 }
 
+/// Appends the samples that are not sure to `unsure`.
 void replace(const SurfaceTree& tree, const Moments* moments, const glm::ivec3& dims, float threshold,
-             WindingDipoles::Looks looks, std::span<const uint32_t> samples, float* winding) {
+             WindingDipoles::Looks looks, std::span<const uint32_t> samples, float* winding,
+             std::vector<uint32_t>& unsure) {
   SolidAngles solidAngles(tree, moments);
   const glm::uvec3 d(dims);
-  for (const uint32_t s : samples)
-    winding[s] = settle(solidAngles, glm::vec3(s % d.x, s / d.x % d.y, s / d.x / d.y), threshold, looks);
+  for (const uint32_t s : samples) {
+    const Settled settled =
+        settle(solidAngles, glm::vec3(s % d.x, s / d.x % d.y, s / d.x / d.y), threshold, looks);
+    winding[s] = settled.winding;
+    if (!settled.isSure) unsure.push_back(s);
+  }
 }
 
 void settlePoints(const SurfaceTree& tree, const Moments* moments, std::span<const glm::vec3> points,
                   float threshold, WindingDipoles::Looks looks, float* winding) {
   SolidAngles solidAngles(tree, moments);
-  for (size_t p = 0; p < points.size(); ++p) winding[p] = settle(solidAngles, points[p], threshold, looks);
+  for (size_t p = 0; p < points.size(); ++p)
+    winding[p] = settle(solidAngles, points[p], threshold, looks).winding;
 }
 
 }  // namespace
@@ -266,25 +287,6 @@ HWY_EXPORT(buildMoments);
 HWY_EXPORT(look);
 HWY_EXPORT(replace);
 HWY_EXPORT(settlePoints);
-
-}  // namespace
-
-namespace {
-
-/// Returns the samples of each chunk that the lattice may have put on the wrong side of the threshold.
-std::vector<std::vector<uint32_t>> doubtfulSamples(float threshold, const Buffer<float>& distance,
-                                                   const Buffer<float>& winding) {
-  constexpr size_t kChunk = 4096;
-  std::vector<std::vector<uint32_t>> chunks((winding.size() + kChunk - 1) / kChunk);
-  parallelFor(chunks.size(), 4, [&](size_t begin, size_t end) {
-    for (size_t s = begin * kChunk; s < std::min(end * kChunk, winding.size()); ++s) {
-      const float gap = std::abs(std::abs(winding[s]) - threshold);
-      if (gap < latticeError(0.0f) && gap < latticeError(distance[s]))
-        chunks[s / kChunk].push_back(static_cast<uint32_t>(s));
-    }
-  });
-  return chunks;
-}
 
 }  // namespace
 
@@ -314,19 +316,20 @@ std::vector<float> WindingDipoles::numbersAt(const SurfaceSource& surface, std::
   return winding;
 }
 
-void WindingDipoles::settle(const SurfaceSource& surface, const glm::ivec3& dims,
-                            const Buffer<float>& distance, double threshold, Looks looks, Progress& progress,
-                            Buffer<float>& winding) {
-  const auto limit = static_cast<float>(threshold);
-  const std::vector<std::vector<uint32_t>> chunks = doubtfulSamples(limit, distance, winding);
-  if (std::all_of(chunks.begin(), chunks.end(), [](const auto& samples) { return samples.empty(); })) return;
-  const SurfaceTree& tree = surface();
+std::vector<uint32_t> WindingDipoles::settle(const SurfaceTree& tree, const glm::ivec3& dims,
+                                             std::span<const uint32_t> samples, double threshold, Looks looks,
+                                             Progress& progress, Buffer<float>& winding) {
+  constexpr size_t kGrain = 64;
   prepare(tree);
-  parallelFor(chunks.size(), 1, [&](size_t chunk, size_t) {
-    if (chunks[chunk].empty()) return;
+  std::vector<std::vector<uint32_t>> unsure((samples.size() + kGrain - 1) / kGrain);
+  parallelFor(unsure.size(), 1, [&](size_t part, size_t) {
     progress.poll();
-    HWY_DYNAMIC_DISPATCH(replace)(tree, moments_.data(), dims, limit, looks, chunks[chunk], winding.data());
+    const size_t begin = part * kGrain, count = std::min(kGrain, samples.size() - begin);
+    HWY_DYNAMIC_DISPATCH(replace)
+    (tree, moments_.data(), dims, static_cast<float>(threshold), looks, samples.subspan(begin, count),
+     winding.data(), unsure[part]);
   });
+  return joined(unsure);
 }
 
 }  // namespace raymap::cpu

@@ -19,10 +19,11 @@ class WindingDipoles {
   struct Looks {
     uint32_t first, end;
   };
-  /// Replaces every winding number so close to the threshold that the lattice may have put it on the wrong
-  /// side. `distance` is the unsigned distance in cells.
-  void settle(const SurfaceSource& surface, const glm::ivec3& dims, const Buffer<float>& distance,
-              double threshold, Looks looks, Progress& progress, Buffer<float>& winding);
+  /// Replaces the winding numbers of these samples of a grid, with ever closer looks as long as the number is
+  /// close to the threshold. The tree is in cell units. Returns the samples that remain too close.
+  std::vector<uint32_t> settle(const SurfaceTree& tree, const glm::ivec3& dims,
+                               std::span<const uint32_t> samples, double threshold, Looks looks,
+                               Progress& progress, Buffer<float>& winding);
 
   /// Returns the winding numbers at points in cell units.
   std::vector<float> numbersAt(const SurfaceSource& surface, std::span<const glm::vec3> points,

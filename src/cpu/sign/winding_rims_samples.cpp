@@ -70,7 +70,7 @@ LatticeBox rimBox(const glm::ivec3& dims, int level) {
   return {.level = level, .low = glm::ivec3(0), .dims = rimDims(dims, uint32_t(level))};
 }
 
-void computeSamples(const SampleNumbers& numbers, const LatticeBox& box, const std::vector<uint32_t>& places,
+void computeSamples(const SampleNumbers& numbers, const LatticeBox& box, std::span<const uint32_t> places,
                     WorkMeter& meter, float* values) {
   const auto width = uint32_t(box.dims.x), height = uint32_t(box.dims.y);
   parallelFor(places.size(), kSamplesPerTask, [&](size_t begin, size_t end) {
@@ -119,15 +119,11 @@ size_t bytesForRims(const RayMap& map) {
   return sum;
 }
 
-void settleByRims(const RayMap& map, const RimLattices& lattices, const Buffer<float>& distance,
-                  double threshold, Progress& progress, Buffer<float>& winding) {
-  const auto limit = static_cast<float>(threshold);
-  const uint32_t source = lattices.source();
-  const std::vector<uint32_t> doubtful = parallelSelect(winding.size(), [&](uint32_t i) {
-    return std::abs(std::abs(winding[i]) - limit) < numberError(source, distance[i]);
-  });
-  WorkMeter meter(progress, 0.0, 1.0, double(doubtful.size()));
-  computeSamples({map, lattices}, rimBox(map.dims, 0), doubtful, meter, winding.data());
+void settleByRims(const RayMap& map, const RimLattices& lattices, std::span<const uint32_t> samples,
+                  Progress& progress, Buffer<float>& winding) {
+  if (samples.empty()) return;
+  WorkMeter meter(progress, 0.0, 1.0, double(samples.size()));
+  computeSamples({map, lattices}, rimBox(map.dims, 0), samples, meter, winding.data());
 }
 
 }  // namespace raymap::cpu

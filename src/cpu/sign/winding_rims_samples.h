@@ -14,9 +14,8 @@ void computeFromRims(const RayMap& map, const RimLattices& lattices, Progress& p
 /// Returns about how many bytes the scratch memory holds after `computeFromRims` on this map.
 size_t bytesForRims(const RayMap& map);
 
-/// Computes every winding number exactly that is so close to the threshold that it may lie on the wrong side.
-/// `distance` is the unsigned distance in cells.
-void settleByRims(const RayMap& map, const RimLattices& lattices, const Buffer<float>& distance,
-                  double threshold, Progress& progress, Buffer<float>& winding);
+/// Computes the winding numbers of these samples exactly.
+void settleByRims(const RayMap& map, const RimLattices& lattices, std::span<const uint32_t> samples,
+                  Progress& progress, Buffer<float>& winding);
 
 }  // namespace raymap::cpu

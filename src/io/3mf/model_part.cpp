@@ -8,6 +8,7 @@
 #include <cmath>
 #include <optional>
 
+#include "base/text.h"
 #include "io/3mf/units.h"
 #include "io/3mf/xml_parser.h"
 
@@ -91,7 +92,7 @@ class Reader : public XmlHandler {
 
   void start(const XmlName& name, const XmlAttributes& attributes) override {
     if (stack_.back() == Element::Root) {
-      if (name.local != "model") fail("its root is '" + std::string(name.local) + "', not 'model'");
+      if (name.local != "model") fail("its root is " + excerpt(name.local) + ", not 'model'");
       space_ = name.space;
     }
     const auto rule = std::ranges::find_if(
@@ -140,16 +141,17 @@ class Reader : public XmlHandler {
     if (const auto unit = attributes.find("unit")) model_.unit = trimmed(*unit);
     const std::optional<LengthUnit> unit = unitOf3mf(model_.unit);
     if (!unit)
-      fail("its unit is '" + model_.unit +
-           "'; 3MF knows micron, millimeter, centimeter, inch, foot and meter");
+      fail("its unit is " + excerpt(model_.unit) +
+           "; 3MF knows micron, millimeter, centimeter, inch, foot and meter");
     scale_ = millimetres(*unit);
     for (const std::string_view prefix : words(attributes.find("requiredextensions").value_or(""))) {
       const auto space = namespaces.find(std::string(prefix));
       if (space == namespaces.end())
-        fail("it requires the extension '" + std::string(prefix) + "', which it does not declare");
+        fail("it requires the extension " + excerpt(prefix) + ", which it does not declare");
       if (std::ranges::find(kKnownExtensions, space->second) == kKnownExtensions.end())
         throw Error(ErrorCode::Unsupported, parts_.file().path.string() + ": " + name_ +
-                                                ": it requires the extension " + space->second +
+                                                ": it requires the extension " +
+                                                shortText(space->second, kLongestName) +
                                                 ", which raymap does not read; export it as plain triangles");
     }
   }
@@ -162,8 +164,8 @@ class Reader : public XmlHandler {
     if (const auto type = attributes.find("type")) object_->type = trimmed(*type);
     constexpr std::array<std::string_view, 5> kTypes{"model", "surface", "support", "solidsupport", "other"};
     if (std::ranges::find(kTypes, object_->type) == kTypes.end())
-      fail("the type of object " + std::to_string(id_) + " is '" + object_->type +
-           "'; 3MF knows model, surface, support, solidsupport and other");
+      fail("the type of object " + std::to_string(id_) + " is " + excerpt(object_->type) +
+           "; 3MF knows model, surface, support, solidsupport and other");
   }
 
   void readVertex(const XmlAttributes& attributes) {
@@ -190,7 +192,7 @@ class Reader : public XmlHandler {
       const auto vertex = parsed<uint32_t>(*text);
       if (!vertex)
         failElement("triangle", index,
-                    std::string(name) + " is '" + shortened(*text) + "', which is not a vertex index");
+                    std::string(name) + " is " + excerpt(*text) + ", which is not a vertex index");
       if (*vertex >= object_->vertices.size())
         failElement("triangle", index,
                     std::string(name) + " is " + std::to_string(*vertex) + ", but the object has " +
@@ -234,8 +236,8 @@ class Reader : public XmlHandler {
     if (!text) fail("an element '" + std::string(element) + "' has no " + std::string(name));
     const auto value = parsed<uint32_t>(*text);
     if (!value)
-      fail("the " + std::string(name) + " of an element '" + std::string(element) + "' is '" +
-           shortened(*text) + "', which is not an object's number");
+      fail("the " + std::string(name) + " of an element '" + std::string(element) + "' is " + excerpt(*text) +
+           ", which is not an object's number");
     return *value;
   }
 
@@ -243,7 +245,7 @@ class Reader : public XmlHandler {
     const auto value = parsed<double>(text);
     if (!value || !std::isfinite(*value))
       failElement(element, index,
-                  std::string(name) + " is '" + shortened(text) + "', which is not a finite number");
+                  std::string(name) + " is " + excerpt(text) + ", which is not a finite number");
     return *value;
   }
 
@@ -257,8 +259,6 @@ class Reader : public XmlHandler {
   void checkGrowth(size_t elementBytes, size_t count) const {
     checkMemory(parts_.file(), 3 * elementBytes * count);
   }
-
-  static std::string shortened(std::string_view text) { return std::string(text.substr(0, 40)); }
 
   ZipParts& parts_;
   const std::string& name_;

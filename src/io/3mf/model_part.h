@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <glm/glm.hpp>
 #include <map>
@@ -18,11 +19,18 @@ struct Placement3mf {
   uint64_t line = 0;            ///< Where the part that places it says so.
 };
 
+/// Use of a part of an object by a slicer.
+enum class PartUse : uint8_t { Print, CutOut, Modify, BlockSupport, EnforceSupport };
+
+/// Numbers of an object's parts, by their use.
+using PartCounts = std::array<size_t, 5>;
+
 struct Object3mf {
   std::string type = "model";
   std::vector<glm::dvec3> vertices;  ///< In millimetres.
   std::vector<glm::uvec3> triangles;
   std::vector<Placement3mf> components;
+  PartCounts unprinted{};  ///< Parts that a slicer's project does not print.
 };
 
 /// Geometry of a model part.

@@ -6,7 +6,9 @@
 #include <deque>
 #include <optional>
 
+#include "base/text.h"
 #include "io/3mf/model_part.h"
+#include "io/3mf/slicer_parts.h"
 #include "io/3mf/units.h"
 #include "io/3mf/xml_parser.h"
 
@@ -42,7 +44,7 @@ struct Node {
   enum class State : uint8_t { New, Open, Counted };
   const Object3mf* object = nullptr;
   State state = State::New;
-  uint64_t vertices = 0, triangles = 0;
+  uint64_t vertices = 0, triangles = 0, placements = 0;
   int height = 0;  ///< How deeply components are nested in it.
 };
 
@@ -50,6 +52,9 @@ class Scene3mf {
  public:
   explicit Scene3mf(ZipParts& parts) : parts_(parts), root_(findRoot(parts)) {
     readParts();
+    for (const auto& [id, parts] : readSlicerParts(parts_))
+      if (const auto found = models_.at(root_).objects.find(id); found != models_.at(root_).objects.end())
+        found->second.unprinted = removeUnprinted(parts_.file(), found->second, parts);
     for (const auto& [name, part] : models_)
       for (const auto& [id, object] : part.objects) nodes_[{name, id}].object = &object;
   }
@@ -87,7 +92,8 @@ class Scene3mf {
               std::deque<std::string>& names) const {
     for (const Placement3mf& each : placements) {
       if (models_.contains(each.part)) continue;
-      if (!parts_.has(each.part)) fail(from, each.line, "there is no part '" + each.part + "'");
+      if (!parts_.has(each.part))
+        fail(from, each.line, "there is no part " + excerpt(each.part, kLongestName));
       names.push_back(each.part);
     }
   }
@@ -103,13 +109,20 @@ class Scene3mf {
     if (found == nodes_.end()) fail(part, placed.line, placed.part + " has no " + name);
     Node& node = found->second;
     if (node.state == Node::State::Open) fail(part, placed.line, name + " contains itself");
-    if (node.state == Node::State::New && depth <= kDeepest) count(node, placed.part, depth);
+    if (node.state == Node::State::New && depth <= kDeepest) {
+      noteUnprinted(node.object->unprinted, placed.part + ": " + name);
+      count(node, placed.part, depth);
+    }
     sums.height = std::max(sums.height, node.height + 1);
     if (depth + node.height > kDeepest)
       fail(part, placed.line, "components are nested more than " + std::to_string(kDeepest) + " deep");
     sums.vertices += node.vertices;
     sums.triangles += node.triangles;
-    checkMemory(parts_.file(), sums.vertices * sizeof(glm::dvec3) + sums.triangles * sizeof(glm::uvec3));
+    sums.placements += node.triangles > 0 ? node.placements + 1 : 0;
+    checkExpansion(parts_.file(),
+                   sums.vertices * sizeof(glm::dvec3) + sums.triangles * sizeof(glm::uvec3) +
+                       sums.placements * kBytesPerInstance,
+                   parts_.file().bytes.size());
     if (sums.vertices > UINT32_MAX || sums.triangles > UINT32_MAX)
       throw Error(ErrorCode::Unsupported,
                   parts_.file().path.string() + ": more than 2^32 triangles or vertices");
@@ -126,6 +139,15 @@ class Scene3mf {
       ++leftOut_;
     }
     node.state = Node::State::Counted;
+  }
+
+  void noteUnprinted(const PartCounts& counts, const std::string& object) {
+    for (size_t use = 0; use < counts.size(); ++use) unprinted_[use] += counts[use];
+    if (const size_t cuts = counts[static_cast<size_t>(PartUse::CutOut)]; cuts > 0)
+      throw Error(ErrorCode::Unsupported,
+                  parts_.file().path.string() + ": " + object + " has " + counted(cuts, "negative part") +
+                      ", to be cut out of it, and meshes cannot be subtracted here; do that in the slicer "
+                      "(a mesh boolean, or its export as STL), or delete the part there");
   }
 
   void append(const Placement3mf& placed, const glm::dmat4& parent) {
@@ -156,6 +178,8 @@ class Scene3mf {
     if (leftOut_ > 0)
       parts_.file().warnThat(counted(leftOut_, "object") +
                              " of type support, solidsupport or other left out");
+    if (const std::string left = unprintedParts(unprinted_); !left.empty())
+      parts_.file().warnThat(left + " left out, for the slicer's project does not print such parts");
   }
 
   ZipParts& parts_;
@@ -163,6 +187,7 @@ class Scene3mf {
   std::map<std::string, ModelPart3mf> models_;
   std::map<std::pair<std::string, uint32_t>, Node> nodes_;
   size_t leftOut_ = 0;
+  PartCounts unprinted_{};  ///< Parts left out of all objects that are placed.
   std::vector<glm::dvec3> positions_;
   std::vector<glm::uvec3> triangles_;
 };

@@ -4,14 +4,18 @@
 #include <raymap/version.h>
 
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <charconv>
 #include <cmath>
 #include <string_view>
 #include <vector>
 
+#include "base/text.h"
 #include "io/3mf/units.h"
 #include "io/zip/zip_writer.h"
 #include "mesh/compact.h"
+#include "mesh/weld.h"
 
 namespace raymap {
 
@@ -22,20 +26,9 @@ constexpr std::string_view kXml = "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n"
 /// Returns the length in bytes of the UTF-8 character that a text begins with; 0 if it is none that XML
 /// allows.
 size_t characterBytes(std::string_view text) {
-  const auto byte = [&](size_t i) { return i < text.size() ? static_cast<unsigned char>(text[i]) : 0U; };
-  const unsigned lead = byte(0);
-  if (lead < 0x80) return lead >= 0x20 && lead != 0x7f ? 1 : 0;
-  const size_t bytes = lead >= 0xf0 ? 4 : lead >= 0xe0 ? 3 : 2;
-  uint32_t code = lead & (0xffU >> (bytes + 1));
-  for (size_t i = 1; i < bytes; ++i) {
-    if ((byte(i) & 0xc0U) != 0x80) return 0;
-    code = code << 6 | (byte(i) & 0x3fU);
-  }
-  constexpr uint32_t kLeast[] = {0, 0, 0x80, 0x800, 0x10000};
-  const bool isSurrogate = code >= 0xd800 && code < 0xe000;
-  const bool isCharacter = lead >= 0xc0 && lead < 0xf8 && code >= kLeast[bytes] && code <= 0x10ffff &&
-                           !isSurrogate && (code & 0xfffeU) != 0xfffe;
-  return isCharacter ? bytes : 0;
+  uint32_t code = 0;
+  const size_t bytes = decodeUtf8(text, code);
+  return code >= 0x20 && code != 0x7f && (code & 0xfffeU) != 0xfffe ? bytes : 0;
 }
 
 /// Returns a text as the content of an XML element.
@@ -67,7 +60,7 @@ void addText(ZipWriter& zip, const std::string& name, std::string_view text) {
 }
 
 /// Returns whether no two corners of triangles share a vertex, as in an STL.
-bool isSoup(const PackedMesh& mesh) {
+bool isSoup(const WritableMesh& mesh) {
   if (3 * mesh.triangles.size() > mesh.vertices.size()) return false;
   std::vector<bool> isUsed(mesh.vertices.size());
   for (const glm::uvec3& t : mesh.triangles)
@@ -82,7 +75,7 @@ bool isSoup(const PackedMesh& mesh) {
 /// what comes before the triangles, blocks of them, and the end.
 class Model {
  public:
-  Model(const PackedMesh& mesh, const About3mf& about) : mesh_(mesh), about_(about) {}
+  Model(const WritableMesh& mesh, const About3mf& about) : mesh_(mesh), about_(about) {}
 
   size_t pieces() const { return trianglesAt() + blocks(mesh_.triangles.size()) + 1; }
   std::string piece(size_t i) const {
@@ -119,7 +112,7 @@ class Model {
     std::string text;
     const size_t end = std::min((block + 1) * kBlock, mesh_.vertices.size());
     for (size_t v = block * kBlock; v < end; ++v) {
-      const glm::dvec3 p = mesh_.position(static_cast<uint32_t>(v));
+      const glm::dvec3 p = mesh_.exactPosition(static_cast<uint32_t>(v));
       append(text += "<vertex x=\"", finite(p.x));
       append(text += "\" y=\"", finite(p.y));
       append(text += "\" z=\"", finite(p.z));
@@ -141,12 +134,12 @@ class Model {
     return text;
   }
 
-  const PackedMesh& mesh_;
+  const WritableMesh& mesh_;
   const About3mf& about_;
 };
 
 /// Writes the parts of the package.
-void writeParts(std::ostream& out, const PackedMesh& mesh, const About3mf& about) {
+void writeParts(std::ostream& out, const WritableMesh& mesh, const About3mf& about) {
   if (std::ranges::none_of(mesh.triangles, isIn3mf))
     throw Error(ErrorCode::Unsupported,
                 "a 3MF holds triangles of three different vertices, and this mesh has none; write a .ply");
@@ -166,11 +159,36 @@ void writeParts(std::ostream& out, const PackedMesh& mesh, const About3mf& about
   zip.finish();
 }
 
+/// Numbers the distinct positions in double precision.
+Welding weldingOf(const std::vector<glm::dvec3>& positions) {
+  using Key = std::array<uint64_t, 4>;  // Bits of a position, of which 0 and -0 are one, and its number.
+  std::vector<Key> keys;
+  const auto bits = [](double number) { return std::bit_cast<uint64_t>(number + 0.0); };
+  for (const glm::dvec3& p : positions) keys.push_back({bits(p.x), bits(p.y), bits(p.z), keys.size()});
+  std::ranges::sort(keys);
+  Welding welding{Buffer<uint32_t>(positions.size())};
+  for (size_t k = 0; k < keys.size(); ++k) {
+    if (k == 0 || !std::equal(keys[k].begin(), keys[k].begin() + 3, keys[k - 1].begin())) ++welding.count;
+    welding.ids[keys[k][3]] = uint32_t(welding.count - 1);
+  }
+  return welding;
+}
+
+/// Writes a mesh with one vertex for each position that vertices share.
+void writeWelded(std::ostream& out, const WritableMesh& mesh, const About3mf& about) {
+  if (mesh.exact.empty()) return writeParts(out, {weldedCopy(mesh)}, about);
+  std::vector<uint32_t> firsts;
+  const Mesh welded = weldedCopy(mesh, weldingOf(mesh.exact), firsts);
+  WritableMesh written{welded};
+  for (const uint32_t vertex : firsts) written.exact.push_back(mesh.exact[vertex]);
+  writeParts(out, written, about);
+}
+
 }  // namespace
 
-void write3mf(std::ostream& out, const PackedMesh& mesh, const About3mf& about) {
+void write3mf(std::ostream& out, const WritableMesh& mesh, const About3mf& about) {
   if (isSoup(mesh))
-    writeParts(out, weldedCopy(mesh), about);
+    writeWelded(out, mesh, about);
   else
     writeParts(out, mesh, about);
 }

@@ -5,7 +5,7 @@
 #include <iosfwd>
 #include <string>
 
-#include "mesh/packed_mesh.h"
+#include "io/mesh/mesh_formats.h"
 
 namespace raymap {
 
@@ -23,6 +23,6 @@ inline bool isIn3mf(const glm::uvec3& t) {
 /// Writes a mesh as a 3MF: one object and one item. Joins equal positions if no triangles share a vertex, for
 /// only those that do are neighbours in a 3MF. Throws `Error(Unsupported)` if no triangle has three
 /// different vertices.
-void write3mf(std::ostream& out, const PackedMesh& mesh, const About3mf& about);
+void write3mf(std::ostream& out, const WritableMesh& mesh, const About3mf& about);
 
 }  // namespace raymap

@@ -87,9 +87,10 @@ std::optional<std::string_view> XmlAttributes::find(std::string_view name, std::
   return std::nullopt;
 }
 
-void parseXml(ZipParts& parts, const std::string& part, XmlHandler& handler) {
+void parseXml(ZipParts& parts, const std::string& part, XmlHandler& handler, XmlPrefixes prefixes) {
   const std::unique_ptr<XML_ParserStruct, decltype(&XML_ParserFree)> parser(
-      XML_ParserCreateNS(nullptr, kSeparator), &XML_ParserFree);
+      prefixes == XmlPrefixes::Plain ? XML_ParserCreate(nullptr) : XML_ParserCreateNS(nullptr, kSeparator),
+      &XML_ParserFree);
   if (!parser) throw std::bad_alloc();
   Run run{parser.get(), handler};
   handler.line = [&] { return static_cast<uint64_t>(XML_GetCurrentLineNumber(parser.get())); };

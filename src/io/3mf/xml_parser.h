@@ -39,8 +39,12 @@ class XmlHandler {
   std::function<uint64_t()> line;
 };
 
+/// Whether prefixes of names stand for namespaces, which must be declared then.
+enum class XmlPrefixes : uint8_t { Namespaces, Plain };
+
 /// Reads a part as XML and tells the handler of each element. Fails with the part and the line if the XML is
 /// damaged or has a DOCTYPE, which 3MF forbids (entities are declared there).
-void parseXml(ZipParts& parts, const std::string& part, XmlHandler& handler);
+void parseXml(ZipParts& parts, const std::string& part, XmlHandler& handler,
+              XmlPrefixes prefixes = XmlPrefixes::Namespaces);
 
 }  // namespace raymap

@@ -3,6 +3,8 @@
 #include <cctype>
 #include <vector>
 
+#include "base/text.h"
+
 namespace raymap {
 
 namespace {
@@ -20,7 +22,8 @@ std::string keyOf(std::string_view name) {
 ZipParts::ZipParts(const MeshFile& file) : file_(file), zip_(file.bytes, file.path) {
   for (size_t i = 0; i < zip_.entries().size(); ++i) {
     const std::string& name = zip_.entries()[i].name;
-    if (!indices_.emplace(keyOf(name), i).second) file.fail("it has the part '" + name + "' twice");
+    if (!indices_.emplace(keyOf(name), i).second)
+      file.fail("it has the part " + excerpt(name, kLongestName) + " twice");
   }
 }
 
@@ -30,7 +33,7 @@ bool ZipParts::has(std::string_view name) const {
 
 void ZipParts::read(std::string_view name, const std::function<void(std::string_view piece)>& take) {
   const auto found = indices_.find(keyOf(name));
-  if (found == indices_.end()) file_.fail("it has no part '" + std::string(name) + "'");
+  if (found == indices_.end()) file_.fail("it has no part " + excerpt(name, kLongestName));
   ZipContent content = zip_.open(found->second);
 
   // Meshes deflate to a tenth, and at best to a fiftieth.
@@ -40,8 +43,8 @@ void ZipParts::read(std::string_view name, const std::function<void(std::string_
   while (const size_t count = content.read(buffer.data(), buffer.size())) {
     inflated_ += count;
     if (inflated_ > most)
-      file_.fail("its part '" + std::string(name) + "' inflates to more than " + std::to_string(kMostRatio) +
-                 " times the size of the file, as no model does");
+      file_.fail("its part " + excerpt(name, kLongestName) + " inflates to more than " +
+                 std::to_string(kMostRatio) + " times the size of the file, as no model does");
     take({buffer.data(), count});
   }
 }

@@ -5,10 +5,13 @@
 #include <charconv>
 #include <cmath>
 #include <cstring>
+#include <glm/gtc/packing.hpp>
 #include <limits>
 #include <ostream>
 
 #include "base/memory.h"
+#include "base/parallel.h"
+#include "field/field_sampler.h"
 
 namespace raymap {
 
@@ -34,6 +37,13 @@ void readRaw(std::span<T> to, bool bigEndian, const ReadBytes& read) {
   read(to.data(), to.size_bytes());
   if (bigEndian) swapBytes(to);
 }
+
+/// Bits of a half float.
+struct Half {
+  uint16_t bits;
+  explicit operator float() const { return glm::unpackHalf1x16(bits); }
+  explicit operator double() const { return float(*this); }
+};
 
 /// Reads elements of type `From` piece by piece, without a second array for all of them.
 template <class From, class To>
@@ -74,7 +84,7 @@ bool isSeparator(char c) {
 }  // namespace
 
 size_t elementSize(ElementType type) {
-  return type == ElementType::Float64 ? 8 : 4;
+  return type == ElementType::Float64 ? 8 : type == ElementType::Float16 ? 2 : 4;
 }
 
 NamedArray describe(FieldArray array) {
@@ -97,6 +107,16 @@ std::vector<NamedArray> arraysOf(const Field& field) {
                                  named("triangle", ElementType::UInt32, field.triangle)};
   std::erase_if(arrays, [](const NamedArray& array) { return array.bytes.empty(); });
   return arrays;
+}
+
+NamedArray halvesOf(const NamedArray& array, Buffer<uint16_t>& memory) {
+  if (array.type != ElementType::Float32) return array;
+  const auto* values = reinterpret_cast<const float*>(array.bytes.data());
+  memory.resizeUninitialized(array.bytes.size() / sizeof(float));
+  parallelFor(memory.size(), kCheapGrain, [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i) memory[i] = glm::packHalf1x16(values[i]);
+  });
+  return {array.name, ElementType::Float16, std::as_bytes(std::span<const uint16_t>(memory))};
 }
 
 std::vector<NamedArray> arraysWith(const Field& field, const NamedArray& asked) {
@@ -178,13 +198,18 @@ void setDims(Grid& grid, const std::array<int64_t, 3>& dims) {
   grid.dims = {static_cast<int>(dims[0]), static_cast<int>(dims[1]), static_cast<int>(dims[2])};
 }
 
+void checkSpacing(const std::filesystem::path& path, double spacing) {
+  if (!std::isfinite(spacing) || spacing <= 0.0)
+    throwInvalid(path, "the grid's spacing is " + toText(spacing) + ", not a positive number");
+}
+
 void checkPlacement(const std::filesystem::path& path, const Field& field) {
   for (int axis = 0; axis < 3; ++axis)
     if (!std::isfinite(field.grid.origin[axis]))
       throwInvalid(path, "the grid's origin is not finite: " + std::string(1, "xyz"[axis]) + " = " +
                              toText(field.grid.origin[axis]));
-  if (!std::isfinite(field.grid.spacing) || field.grid.spacing <= 0.0)
-    throwInvalid(path, "the grid's spacing is " + toText(field.grid.spacing) + ", not a positive number");
+  checkSpacing(path, field.grid.spacing);
+  if (const std::string problem = placeProblem(field.grid); !problem.empty()) throwInvalid(path, problem);
   if (!std::isfinite(field.clampDistance) || field.clampDistance < 0.0)
     throwInvalid(path, std::string("its ") + kClampDistance + " is " + toText(field.clampDistance) +
                            ", not a distance");
@@ -215,7 +240,10 @@ void readArray(const std::filesystem::path& path, Field& field, std::string_view
   Buffer<float>& values = name == "winding"      ? field.winding
                           : name == "confidence" ? field.confidence
                                                  : field.distance;
-  values = readBuffer<double, float>(field.grid, layout, layout.type == ElementType::Float64, read);
+  if (layout.type == ElementType::Float16)
+    values = readBuffer<Half, float>(field.grid, layout, true, read);
+  else
+    values = readBuffer<double, float>(field.grid, layout, layout.type == ElementType::Float64, read);
 }
 
 void readReals(std::span<double> to, const ArrayLayout& layout, const ReadBytes& read) {
@@ -226,6 +254,8 @@ void readReals(std::span<double> to, const ArrayLayout& layout, const ReadBytes&
       return readConverted<uint32_t>(to, layout.bigEndian, read);
     case ElementType::Int32:
       return readConverted<int32_t>(to, layout.bigEndian, read);
+    case ElementType::Float16:
+      return readConverted<Half>(to, layout.bigEndian, read);
     case ElementType::Float64:
       return readRaw(to, layout.bigEndian, read);
   }

@@ -21,7 +21,7 @@
 namespace raymap {
 
 /// Type of an array's elements. Distances are written as Float32, triangle indices as UInt32.
-enum class ElementType : uint8_t { Float32, UInt32, Float64, Int32 };
+enum class ElementType : uint8_t { Float32, UInt32, Float64, Int32, Float16 };
 size_t elementSize(ElementType type);
 
 /// One of a field's arrays, ready to be written.
@@ -39,6 +39,9 @@ void writeBytes(std::ostream& out, std::span<const std::byte> bytes);
 
 /// Returns the arrays that the field has, distance first.
 std::vector<NamedArray> arraysOf(const Field& field);
+
+/// Returns an array with its floats rounded to half floats, which `memory` holds. Whole numbers stay.
+NamedArray halvesOf(const NamedArray& array, Buffer<uint16_t>& memory);
 
 /// Returns the arrays that a file of several holds: all of the field with the distance, any other one alone.
 std::vector<NamedArray> arraysWith(const Field& field, const NamedArray& asked);
@@ -91,8 +94,10 @@ uint64_t inflatedBound(uint64_t bytes);
 
 /// Sets the grid's dimensions, which `checkedSampleCount` must have accepted.
 void setDims(Grid& grid, const std::array<int64_t, 3>& dims);
-/// Throws `Error(Input)` unless origin, spacing and `clampDistance` are finite, the spacing is positive and
-/// `clampDistance` not negative.
+/// Throws `Error(Input)` unless the spacing of samples is finite and positive.
+void checkSpacing(const std::filesystem::path& path, double spacing);
+/// Throws `Error(Input)` unless the grid is one (`placeProblem`), and `clampDistance` is finite and not
+/// negative.
 void checkPlacement(const std::filesystem::path& path, const Field& field);
 
 /// Name of `Field::surfaceBounds` in files. Its numbers are x0 y0 z0 x1 y1 z1.

@@ -28,10 +28,12 @@ Frame frameNrrd(const Field& about, std::span<const NamedArray> array);
 
 Field readNpy(const SourceFile& source, LeftOut& leftOut);
 void writeNpy(std::ostream& out, const Field& field, const NamedArray& array);
+void writeHalfNpy(std::ostream& out, const Field& field, const NamedArray& array);
 Frame frameNpy(const Field& about, std::span<const NamedArray> array);
 
 Field readNpz(const SourceFile& source, LeftOut& leftOut);
 void writeNpz(std::ostream& out, const Field& field, const NamedArray& array);
+void writeHalfNpz(std::ostream& out, const Field& field, const NamedArray& array);
 
 Field readVti(const SourceFile& source, LeftOut& leftOut);
 void writeVti(std::ostream& out, const Field& field, const NamedArray& array);
@@ -55,6 +57,7 @@ std::variant<Field, SparseField> readNvdb(const SourceFile& source, LeftOut& lef
 struct VdbStorage {
   std::string_view gridName;  ///< Empty: that of the array.
   bool half = false;          ///< Whether numbers that are not whole take 16 bits.
+  bool inSteps = false;       ///< Whether these are equal steps of the range of their leaf, as in a .nvdb.
 };
 
 void writeVdb(std::ostream& out, const Field& field, const NamedArray& array, const VdbStorage& storage);

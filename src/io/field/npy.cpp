@@ -6,6 +6,7 @@
 #include <map>
 #include <ostream>
 
+#include "base/text.h"
 #include "io/field/field_formats.h"
 
 namespace raymap {
@@ -54,13 +55,14 @@ std::string tuple(const std::vector<int64_t>& shape) {
 }  // namespace
 
 ArrayLayout layoutOf(const std::filesystem::path& path, const NpyHeader& header) {
-  static const std::map<std::string, ElementType, std::less<>> kTypes{{"f4", ElementType::Float32},
+  static const std::map<std::string, ElementType, std::less<>> kTypes{{"f2", ElementType::Float16},
+                                                                      {"f4", ElementType::Float32},
                                                                       {"f8", ElementType::Float64},
                                                                       {"u4", ElementType::UInt32},
                                                                       {"i4", ElementType::Int32}};
   const auto found = header.type.empty() ? kTypes.end() : kTypes.find(header.type.substr(1));
   if (found == kTypes.end())
-    throwUnsupported(path, "elements of NumPy type '" + header.type + "'; save it as float32");
+    throwUnsupported(path, "elements of NumPy type " + excerpt(header.type) + "; save it as float32");
   return {found->second, header.type[0] == '>', !header.xFastest};
 }
 
@@ -107,7 +109,8 @@ std::string npyHeader(const NpyHeader& header) {
 
 std::string npyHeader(const Grid& grid, ElementType type) {
   const glm::ivec3 dims = grid.dims;
-  return npyHeader({type == ElementType::UInt32 ? "<u4" : "<f4", true, {dims.x, dims.y, dims.z}});
+  const char* name = type == ElementType::UInt32 ? "<u4" : type == ElementType::Float16 ? "<f2" : "<f4";
+  return npyHeader({name, true, {dims.x, dims.y, dims.z}});
 }
 
 void readNpyArray(const std::filesystem::path& path, Field& field, std::string_view name,
@@ -135,6 +138,11 @@ Field readNpy(const SourceFile& source, LeftOut&) {
 void writeNpy(std::ostream& out, const Field& field, const NamedArray& array) {
   out << frameNpy(field, {&array, 1}).before[0];
   writeBytes(out, array.bytes);
+}
+
+void writeHalfNpy(std::ostream& out, const Field& field, const NamedArray& array) {
+  Buffer<uint16_t> halves;
+  writeNpy(out, field, halvesOf(array, halves));
 }
 
 Frame frameNpy(const Field& about, std::span<const NamedArray> arrays) {

@@ -2,6 +2,7 @@
 // deflate. The reader accepts both.
 
 #include <algorithm>
+#include <array>
 #include <ostream>
 #include <set>
 
@@ -64,6 +65,25 @@ bool isKnown(std::string_view name) {
          name == kFormerClampDistance || name == kSurfaceBounds || name == "arr_0";
 }
 
+void writeArrays(std::ostream& out, const Field& field, const NamedArray& array, bool half) {
+  ZipWriter zip(out);
+  std::array<Buffer<uint16_t>, kArrayNames.size()> halves;
+  size_t count = 0;
+  for (const NamedArray& each : arraysWith(field, array)) {
+    const NamedArray written = half ? halvesOf(each, halves[count++]) : each;
+    zip.add(std::string(written.name) + ".npy", npyHeader(field.grid, written.type), written.bytes);
+  }
+  const std::array origin{field.grid.origin.x, field.grid.origin.y, field.grid.origin.z};
+  zip.add("origin.npy", doublesHeader(3), std::as_bytes(std::span(origin)));
+  zip.add("spacing.npy", doublesHeader(1), std::as_bytes(std::span(&field.grid.spacing, 1)));
+  zip.add(std::string(kClampDistance) + ".npy", doublesHeader(1),
+          std::as_bytes(std::span(&field.clampDistance, 1)));
+  const std::array<double, 6> box = surfaceBoundsOf(field);
+  if (!field.surfaceBounds.isEmpty())
+    zip.add(std::string(kSurfaceBounds) + ".npy", doublesHeader(6), std::as_bytes(std::span(box)));
+  zip.finish();
+}
+
 }  // namespace
 
 Field readNpz(const SourceFile& source, LeftOut& leftOut) {
@@ -95,18 +115,11 @@ Field readNpz(const SourceFile& source, LeftOut& leftOut) {
 }
 
 void writeNpz(std::ostream& out, const Field& field, const NamedArray& array) {
-  ZipWriter zip(out);
-  for (const NamedArray& each : arraysWith(field, array))
-    zip.add(std::string(each.name) + ".npy", npyHeader(field.grid, each.type), each.bytes);
-  const std::array origin{field.grid.origin.x, field.grid.origin.y, field.grid.origin.z};
-  zip.add("origin.npy", doublesHeader(3), std::as_bytes(std::span(origin)));
-  zip.add("spacing.npy", doublesHeader(1), std::as_bytes(std::span(&field.grid.spacing, 1)));
-  zip.add(std::string(kClampDistance) + ".npy", doublesHeader(1),
-          std::as_bytes(std::span(&field.clampDistance, 1)));
-  const std::array<double, 6> box = surfaceBoundsOf(field);
-  if (!field.surfaceBounds.isEmpty())
-    zip.add(std::string(kSurfaceBounds) + ".npy", doublesHeader(6), std::as_bytes(std::span(box)));
-  zip.finish();
+  writeArrays(out, field, array, false);
+}
+
+void writeHalfNpz(std::ostream& out, const Field& field, const NamedArray& array) {
+  writeArrays(out, field, array, true);
 }
 
 }  // namespace raymap

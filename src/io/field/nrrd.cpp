@@ -9,6 +9,7 @@
 #include <ostream>
 #include <sstream>
 
+#include "base/text.h"
 #include "io/field/field_formats.h"
 #include "io/field/gzip.h"
 
@@ -57,13 +58,16 @@ ElementType typeOf(const std::filesystem::path& path, const Header& header) {
       {"int32", ElementType::Int32},   {"int32_t", ElementType::Int32}};
   const std::string type = valueOf(header, "type");
   const auto found = kTypes.find(type);
-  if (found == kTypes.end()) throwUnsupported(path, "samples of type '" + type + "'; convert them to float");
+  if (found == kTypes.end())
+    throwUnsupported(path, "samples of type " + excerpt(type) + "; convert them to float");
   return found->second;
 }
 
 double cubicSpacing(const std::filesystem::path& path, const std::vector<double>& matrix) {
   constexpr double kTolerance = 1e-5;  // Other programs write single precision or round to a few digits.
   const double spacing = matrix[0];
+  for (const double number : matrix)
+    if (!std::isfinite(number)) checkSpacing(path, number);
   for (size_t i = 0; i < matrix.size(); ++i)
     if (!(std::abs(matrix[i] - (i % 4 == 0 ? spacing : 0.0)) <= kTolerance * std::abs(spacing)))
       throwUnsupported(path, "its grid is turned, mirrored or not of cubes; resample it");
@@ -75,8 +79,8 @@ std::vector<double> numbersOf(const std::filesystem::path& path, const Header& h
   const std::string text = valueOf(header, key);
   auto numbers = parseNumbers(text, count);
   if (!numbers)
-    throwInvalid(path,
-                 "'" + std::string(key) + ": " + text + "' is not " + std::to_string(count) + " numbers");
+    throwInvalid(path, "'" + std::string(key) + "' is " + excerpt(text) + ", not " + std::to_string(count) +
+                           " numbers");
   return *std::move(numbers);
 }
 
@@ -107,19 +111,21 @@ Field readNrrd(const SourceFile& source, LeftOut&) {
   if (valueOf(header, "byte skip", "0") != "0" || valueOf(header, "line skip", "0") != "0")
     throwUnsupported(path, "it skips bytes before its samples; save it anew");
   if (valueOf(header, "dimension") != "3")
-    throwUnsupported(path, "it has " + valueOf(header, "dimension", "no") + " axes; a field has 3");
+    throwUnsupported(path,
+                     "'dimension' is " + excerpt(valueOf(header, "dimension")) + "; a field has 3 axes");
   const std::string encoding = valueOf(header, "encoding");
   const bool isDeflated = encoding == "gzip" || encoding == "gz";
   if (!isDeflated && encoding != "raw")
-    throwUnsupported(path, "encoding '" + encoding + "'; save it with raw or gzip");
+    throwUnsupported(path, "encoding " + excerpt(encoding) + "; save it with raw or gzip");
 
   Field field;
   const std::string endian = valueOf(header, "endian", "little");
   if (endian != "little" && endian != "big")
-    throwInvalid(path, "'endian: " + endian + "' is neither little nor big");
+    throwInvalid(path, "'endian' is " + excerpt(endian) + ", neither little nor big");
   const ArrayLayout layout{typeOf(path, header), endian == "big"};
   const auto dims = parseDims(valueOf(header, "sizes"));
-  if (!dims) throwInvalid(path, "'sizes: " + valueOf(header, "sizes") + "' is not three whole numbers");
+  if (!dims)
+    throwInvalid(path, "'sizes' is " + excerpt(valueOf(header, "sizes")) + ", not three whole numbers");
   checkedSampleCount(path, *dims, layout.type,
                      isDeflated ? inflatedBound(file->remaining()) : file->remaining());
   setDims(field.grid, *dims);

@@ -33,8 +33,23 @@ class StreamArchive : public openvdb::io::Archive {
   }
 };
 
+/// Returns the index of a grid's first sample in a file: 0, 0, 0, or where it lies in multiples of the
+/// spacing, if it lies on whole leaves. All such grids of one spacing have the same transform.
+openvdb::Coord lowOf(const Grid& grid) {
+  constexpr double kMost = 0x1p30;
+  openvdb::Coord low;
+  for (int axis = 0; axis < 3; ++axis) {
+    const double steps = std::round(grid.origin[axis] / grid.spacing);
+    if (!(std::abs(steps) < kMost) || steps * grid.spacing != grid.origin[axis]) return {};
+    low[axis] = int(steps);
+    if (low[axis] % SparseField::kLeafSide != 0) return {};
+  }
+  return low;
+}
+
 openvdb::CoordBBox boxOf(const Grid& grid) {
-  return {openvdb::Coord(0), openvdb::Coord(grid.dims.x - 1, grid.dims.y - 1, grid.dims.z - 1)};
+  const openvdb::Coord low = lowOf(grid);
+  return {low, low.offsetBy(grid.dims.x - 1, grid.dims.y - 1, grid.dims.z - 1)};
 }
 
 /// Returns a tree with the value of every sample. Background values are inactive; with `mirrored`, so are
@@ -57,9 +72,70 @@ openvdb::GridBase::Ptr makeGrid(const Field& field, const NamedArray& array,
   return made;
 }
 
-/// Value outside of the stored samples, and what it means.
+/// Magnitudes on both sides of a surface.
+struct Sides {
+  float outside = 0.0F, inside = 0.0F;
+  bool operator==(const Sides&) const = default;
+};
+
+/// Returns the largest magnitudes of values for which `isActive(value)` holds.
+template <class IsActive>
+Sides farthestOf(std::span<const float> values, IsActive&& isActive) {
+  Sides farthest;
+  for (const float value : values) {
+    if (!isActive(value)) continue;
+    farthest.outside = std::max(farthest.outside, value);
+    farthest.inside = std::max(farthest.inside, -value);
+  }
+  return farthest;
+}
+
+/// Returns the larger magnitude for both sides, whose inactive values have one magnitude in a level set.
+Sides sameOnBothSides(const Sides& sides) {
+  return {std::max(sides.outside, sides.inside), std::max(sides.outside, sides.inside)};
+}
+
+/// Returns the least half float that is not below a number.
+openvdb::math::half halfFrom(float number) {
+  openvdb::math::half half(number);
+  if (float(half) < number) half.setBits(uint16_t(half.bits() + 1));
+  return half;
+}
+
+/// Returns the least number that a file can hold, is not below the width of a band, and is above all stored
+/// distances. `farthest` is the largest of these, and `range` that of a leaf with both sides; both count only
+/// with 16 bits.
+float storedWidth(double width, float farthest, float range, const VdbStorage& storage) {
+  float least = float(width);
+  if (double(least) < width) least = std::nextafter(least, INFINITY);
+  if (!storage.half || !std::isfinite(least)) return least;
+  if (storage.inSteps) {
+    constexpr float kSteps = 65535.0F;
+    return std::max(least, std::nextafter(farthest + range / kSteps, INFINITY));
+  }
+  openvdb::math::half half = halfFrom(least);
+  if (const openvdb::math::half stored(farthest); float(stored) >= float(half))
+    half.setBits(uint16_t(stored.bits() + 1));
+  return half;
+}
+
+Sides storedWidths(const glm::dvec2& widths, const Sides& farthest, const VdbStorage& storage) {
+  const float range = farthest.outside + farthest.inside;
+  return {storedWidth(widths.x, farthest.outside, range, storage),
+          storedWidth(widths.y, farthest.inside, range, storage)};
+}
+
+/// Replaces the values of inactive samples, and notes those that they had.
+void replaceInactive(openvdb::FloatGrid& grid, const Sides& had, const Sides& stored) {
+  if (had == stored) return;
+  openvdb::tools::changeAsymmetricLevelSetBackground(grid.tree(), stored.outside, -stored.inside);
+  grid.insertMeta(kVdbClampedKey, openvdb::Vec2SMetadata({had.outside, had.inside}));
+}
+
+/// Value of clamped samples, the width of the band, and what the background means.
 struct Background {
   float value;
+  double width;
   const char* meaning;
 };
 
@@ -68,12 +144,31 @@ struct Background {
 Background backgroundOf(const Field& field) {
   constexpr double kRounding = 1e-5;
   const float largest = largestMagnitude(field.distance);
-  if (field.clampDistance > 0.0 && largest <= field.clampDistance * (1.0 + kRounding))
-    return {largest < field.clampDistance * (1.0 - kRounding) ? float(field.clampDistance) : largest,
-            "band: distances are clamped to this magnitude"};
+  const double clamp = field.clampDistance;
+  if (clamp > 0.0 && largest <= clamp * (1.0 + kRounding)) {
+    const float value = largest < clamp * (1.0 - kRounding) ? float(clamp) : largest;
+    return {value, std::max(clamp, double(value)), "band: distances are clamped to this magnitude"};
+  }
   const float above =
       largest > 0.0F ? std::min(std::nextafter(largest, INFINITY), FLT_MAX) : float(field.grid.spacing);
-  return {above, "no band: more than every distance in the grid; outside of the grid nothing is known"};
+  return {above, above,
+          "no band: more than every distance in the grid; outside of the grid nothing is known"};
+}
+
+/// Returns the grid of a field's distances, and says what its background means.
+openvdb::GridBase::Ptr distanceGridOf(const Field& field, const NamedArray& array, const VdbStorage& storage,
+                                      const char*& meaning) {
+  const Background background = backgroundOf(field);
+  meaning = background.meaning;
+  openvdb::GridBase::Ptr made = makeGrid<openvdb::FloatGrid>(field, array, background.value, true);
+  auto& grid = static_cast<openvdb::FloatGrid&>(*made);
+  Sides farthest;
+  if (storage.half)
+    farthest = farthestOf(field.distance, [&](float v) { return std::abs(v) < background.value; });
+  replaceInactive(grid, {background.value, background.value},
+                  storedWidths(glm::dvec2(background.width), sameOnBothSides(farthest), storage));
+  grid.setGridClass(openvdb::GRID_LEVEL_SET);
+  return made;
 }
 
 /// Which array a grid holds, its name, the size of its numbers, and, of several fields, the name of its own.
@@ -99,7 +194,11 @@ struct GridLabel {
 void describe(openvdb::GridBase& grid, const GridLabel& label, const char* meaning, const Grid& g,
               double clampDistance, const Box& surfaceBounds) {
   auto transform = openvdb::math::Transform::createLinearTransform(g.spacing);
-  transform->postTranslate({g.origin.x, g.origin.y, g.origin.z});
+  const openvdb::Coord low = lowOf(g);
+  if (low == openvdb::Coord(0))
+    transform->postTranslate({g.origin.x, g.origin.y, g.origin.z});
+  else
+    grid.insertMeta(kVdbLowKey, openvdb::Vec3IMetadata(low.asVec3i()));
   grid.setTransform(transform);
   grid.setName(label.name);
   grid.setSaveFloatAsHalf(label.half && grid.isType<openvdb::FloatGrid>());
@@ -115,16 +214,14 @@ void describe(openvdb::GridBase& grid, const GridLabel& label, const char* meani
   }
 }
 
-openvdb::GridBase::Ptr gridOf(const Field& field, const NamedArray& array, const GridLabel& label) {
+openvdb::GridBase::Ptr gridOf(const Field& field, const NamedArray& array, const GridLabel& label,
+                              const VdbStorage& storage) {
   openvdb::GridBase::Ptr grid;
   const char* meaning = "outside of the grid nothing is known";
   if (array.type == ElementType::UInt32) {
     grid = makeGrid<openvdb::Int32Grid>(field, array, -1, false);  // kNoTriangle in 32 signed bits.
   } else if (array.name == "distance") {
-    const Background background = backgroundOf(field);
-    meaning = background.meaning;
-    grid = makeGrid<openvdb::FloatGrid>(field, array, background.value, true);
-    grid->setGridClass(openvdb::GRID_LEVEL_SET);
+    grid = distanceGridOf(field, array, storage, meaning);
   } else {
     grid = makeGrid<openvdb::FloatGrid>(field, array, 0.0F, false);
   }
@@ -162,7 +259,9 @@ openvdb::GridBase::Ptr makeLeaves(const SparseField& band, std::span<const Store
   auto& tree = static_cast<GridType&>(*made).tree();
   openvdb::tools::changeBackground(tree, background);
   std::vector<Leaf*> leaves;
-  for (const glm::ivec3& low : band.leaves) leaves.push_back(tree.touchLeaf({low.x, low.y, low.z}));
+  const openvdb::Coord first = lowOf(band.grid);
+  for (const glm::ivec3& low : band.leaves)
+    leaves.push_back(tree.touchLeaf(first.offsetBy(low.x, low.y, low.z)));
   parallelFor(leaves.size(), 256, [&](size_t begin, size_t end) {
     for (size_t l = begin; l < end; ++l) {
       const Stored* from = values.data() + l * SparseField::kLeafSamples;
@@ -218,17 +317,22 @@ void writeGrids(std::ostream& out, FunctionView<openvdb::GridPtrVec&> make,
 }
 
 /// Returns the grid of a band's distances. What lies inside and in no leaf is filled with one value.
-openvdb::GridBase::Ptr distanceGridOf(const SparseField& band) {
-  openvdb::GridBase::Ptr made =
-      makeLeaves<openvdb::FloatGrid>(band, std::span<const float>(band.distance), float(band.outside),
-                                     [&](float value) { return band.isActive(value); });
+openvdb::GridBase::Ptr distanceGridOf(const SparseField& band, const VdbStorage& storage) {
+  const auto isActive = [&](float value) { return band.isActive(value); };
+  openvdb::GridBase::Ptr made = makeLeaves<openvdb::FloatGrid>(band, std::span<const float>(band.distance),
+                                                               float(band.outside), isActive);
   auto& grid = static_cast<openvdb::FloatGrid&>(*made);
   const openvdb::CoordBBox lattice = boxOf(band.grid);
   for (const SparseField::Tile& tile : band.tiles) {
-    openvdb::CoordBBox box = openvdb::CoordBBox::createCube({tile.low.x, tile.low.y, tile.low.z}, tile.side);
+    openvdb::CoordBBox box =
+        openvdb::CoordBBox::createCube(lattice.min().offsetBy(tile.low.x, tile.low.y, tile.low.z), tile.side);
     box.intersect(lattice);
     grid.tree().root().sparseFill(box, -float(band.inside), false);
   }
+  Sides farthest = storage.half ? farthestOf(band.distance, isActive) : Sides{};
+  if (band.inside == band.outside) farthest = sameOnBothSides(farthest);
+  replaceInactive(grid, {float(band.outside), float(band.inside)},
+                  storedWidths({band.outside, band.inside}, farthest, storage));
   openvdb::tools::prune(grid.tree());
   grid.setGridClass(openvdb::GRID_LEVEL_SET);
   return made;
@@ -246,7 +350,7 @@ void addGrids(const SparseField& band, bool isOneOfSeveral, const VdbStorage& st
   };
   constexpr const char* kUnknown = "beyond the band nothing is known";
   const auto always = [](float) { return true; };
-  add("distance", "band: distances are clamped to this magnitude", distanceGridOf(band));
+  add("distance", "band: distances are clamped to this magnitude", distanceGridOf(band, storage));
   grids.back()->insertMeta(kVdbOutsideKey, openvdb::DoubleMetadata(band.outside));
   grids.back()->insertMeta(kVdbInsideKey, openvdb::DoubleMetadata(band.inside));
   if (!band.triangle.empty())
@@ -264,12 +368,12 @@ void addGrids(const SparseField& band, bool isOneOfSeveral, const VdbStorage& st
 void addGrids(const Field& field, const NamedArray& array, const VdbStorage& storage,
               openvdb::GridPtrVec& grids) {
   for (const NamedArray& each : arraysWith(field, array))
-    grids.push_back(gridOf(field, each, GridLabel::of(each.name, each.name == array.name, storage)));
+    grids.push_back(gridOf(field, each, GridLabel::of(each.name, each.name == array.name, storage), storage));
 }
 
 void addGrids(std::span<const NamedBand> bands, const VdbStorage& storage, openvdb::GridPtrVec& grids) {
   for (const NamedBand& each : bands)
-    addGrids(*each.band, bands.size() > 1, {each.name, storage.half}, grids);
+    addGrids(*each.band, bands.size() > 1, {each.name, storage.half, storage.inSteps}, grids);
 }
 
 }  // namespace
@@ -287,13 +391,15 @@ void writeVdb(std::ostream& out, std::span<const NamedBand> bands, const VdbStor
 }
 
 void writeNvdb(std::ostream& out, const Field& field, const NamedArray& array, const VdbStorage& storage) {
+  const VdbStorage inSteps{storage.gridName, storage.half, true};
   writeGrids(
-      out, [&](openvdb::GridPtrVec& grids) { addGrids(field, array, storage, grids); }, putNvdb);
+      out, [&](openvdb::GridPtrVec& grids) { addGrids(field, array, inSteps, grids); }, putNvdb);
 }
 
 void writeNvdb(std::ostream& out, std::span<const NamedBand> bands, const VdbStorage& storage) {
+  const VdbStorage inSteps{storage.gridName, storage.half, true};
   writeGrids(
-      out, [&](openvdb::GridPtrVec& grids) { addGrids(bands, storage, grids); }, putNvdb);
+      out, [&](openvdb::GridPtrVec& grids) { addGrids(bands, inSteps, grids); }, putNvdb);
 }
 
 }  // namespace raymap

@@ -11,6 +11,10 @@ inline constexpr const char* kVdbFormerClampKey = "raymap_band";  ///< In files 
 // Widths of a narrow band, which the grid's values hold in single precision.
 inline constexpr const char* kVdbOutsideKey = "raymap_outside";
 inline constexpr const char* kVdbInsideKey = "raymap_inside";
+/// Magnitudes of the distances that are stored as the background, outside and inside, where these differ from
+/// it: the background is never below the width of the band, nor equal to an active value.
+inline constexpr const char* kVdbClampedKey = "raymap_clamped";
+inline constexpr const char* kVdbLowKey = "raymap_low";  ///< Index of the first sample; without it 0, 0, 0.
 inline constexpr const char* kVdbSurfaceMinKey = "raymap_surface_min";
 inline constexpr const char* kVdbSurfaceMaxKey = "raymap_surface_max";
 inline constexpr const char* kVdbBackgroundKey =

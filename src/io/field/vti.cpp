@@ -9,6 +9,7 @@
 #include <set>
 #include <sstream>
 
+#include "base/text.h"
 #include "io/field/field_formats.h"
 #include "io/field/vti_data.h"
 
@@ -51,7 +52,9 @@ std::vector<double> numbersOf(const VtiFile& file, const pugi::xml_node& node, c
                               size_t count, const char* otherwise) {
   const std::string text = node.attribute(attribute).as_string(otherwise);
   auto numbers = parseNumbers(text, count);
-  if (!numbers) throwInvalid(file.path, std::string(attribute) + "=\"" + text + "\" is not what it must be");
+  if (!numbers)
+    throwInvalid(file.path, std::string(attribute) + " is " + excerpt(text) + ", not " +
+                                std::to_string(count) + (count == 1 ? " number" : " numbers"));
   return *std::move(numbers);
 }
 
@@ -64,7 +67,8 @@ std::array<int64_t, 3> readGrid(const VtiFile& file, const pugi::xml_node& image
   constexpr double kTolerance = 1e-5;
   std::array<int64_t, 3> dims{};
   for (size_t axis = 0; axis < 3; ++axis) {
-    if (!(std::abs(spacing[axis] - spacing[0]) <= kTolerance * std::abs(spacing[0])))
+    checkSpacing(file.path, spacing[axis]);
+    if (std::abs(spacing[axis] - spacing[0]) > kTolerance * spacing[0])
       throwUnsupported(file.path, "its cells are not cubes; resample it");
     const double first = extent[2 * axis], last = extent[2 * axis + 1];
     if (!(std::abs(first) < 1e9 && std::abs(last) < 1e9) || first != std::trunc(first) ||
@@ -116,8 +120,8 @@ ElementType typeOf(const VtiFile& file, const pugi::xml_node& array) {
                                                                       {"Int32", ElementType::Int32}};
   const auto found = kTypes.find(array.attribute("type").as_string());
   if (found == kTypes.end())
-    throwUnsupported(file.path, std::string("samples of type '") + array.attribute("type").as_string() +
-                                    "'; convert them to Float32");
+    throwUnsupported(file.path, "samples of type " + excerpt(array.attribute("type").as_string()) +
+                                    "; convert them to Float32");
   return found->second;
 }
 
@@ -164,7 +168,7 @@ Elements openArray(const VtiFile& file, const pugi::xml_node& array, const std::
   const ArrayLayout layout{typeOf(file, array), file.bigEndian};
   const bool isAppended = format == "appended";
   if (!isAppended && format != "binary" && format != "ascii")
-    throwInvalid(file.path, "format '" + std::string(format) + "' is unknown");
+    throwInvalid(file.path, "format " + excerpt(format) + " is unknown");
   std::string_view text = isAppended ? file.appended : std::string_view(array.text().get());
   if (isAppended) {
     const double offset = numbersOf(file, array, "offset", 1, "0")[0];
@@ -262,8 +266,8 @@ Field readVti(const SourceFile& source, LeftOut& leftOut) {
   const std::string_view compressor = root.attribute("compressor").as_string();
   file.isDeflated = compressor == "vtkZLibDataCompressor";
   if (!compressor.empty() && !file.isDeflated)
-    throwUnsupported(path,
-                     "compressed with " + std::string(compressor) + "; save it with vtkZLibDataCompressor");
+    throwUnsupported(path, "compressed with " + shortText(compressor, kLongestName) +
+                               "; save it with vtkZLibDataCompressor");
   file.bigEndian = std::string_view(root.attribute("byte_order").as_string()) == "BigEndian";
   file.longHeader = std::string_view(root.attribute("header_type").as_string()) == "UInt64";
 

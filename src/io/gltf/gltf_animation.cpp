@@ -80,7 +80,7 @@ class TrackReader {
     const std::string name = stringOf(sampler, "interpolation", "LINEAR");
     if (name == "STEP") return Track::Interpolation::Step;
     if (name == "LINEAR") return Track::Interpolation::Linear;
-    if (name != "CUBICSPLINE") file_.fail(what + " has unknown interpolation " + name.substr(0, 40));
+    if (name != "CUBICSPLINE") file_.fail(what + " has unknown interpolation " + shortText(name));
     return Track::Interpolation::CubicSpline;
   }
 
@@ -182,7 +182,7 @@ uint64_t animationNamed(const MeshFile& file, const GltfDocument& document, cons
   for (uint64_t a = 0; a < count; ++a) {
     const std::string name = stringOf(document.element("animations", a), "name", "");
     if (!clip.empty() && name == clip) return a;
-    all += (a == 0 ? "" : ", ") + std::to_string(a) + (name.empty() ? "" : " '" + name + "'");
+    all += (a == 0 ? "" : ", ") + std::to_string(a) + (name.empty() ? "" : " " + excerpt(name, kLongestName));
   }
   if (clip.empty()) {
     if (count > 1) file.warnThat("it has the animations " + all + "; the first is taken");

@@ -3,10 +3,11 @@
 #include <raymap/error.h>
 
 #include <algorithm>
+#include <array>
 #include <cstring>
 #include <limits>
 
-#include "io/gltf/gltf_uri.h"
+#include "base/text.h"
 
 namespace raymap {
 
@@ -41,27 +42,47 @@ T load(const std::byte* bytes) {
   return value;
 }
 
-template <class T>
-double scaled(const std::byte* bytes, bool normalized) {
-  const double value = load<T>(bytes);
-  return normalized ? std::max(value / std::numeric_limits<T>::max(), -1.0) : value;
-}
-
-double loadReal(const std::byte* bytes, uint64_t type, bool normalized) {
+double loadNumber(const std::byte* bytes, uint64_t type) {
   switch (type) {
     case kInt8:
-      return scaled<int8_t>(bytes, normalized);
+      return load<int8_t>(bytes);
     case kUInt8:
-      return scaled<uint8_t>(bytes, normalized);
+      return load<uint8_t>(bytes);
     case kInt16:
-      return scaled<int16_t>(bytes, normalized);
+      return load<int16_t>(bytes);
     case kUInt16:
-      return scaled<uint16_t>(bytes, normalized);
+      return load<uint16_t>(bytes);
     case kUInt32:
-      return scaled<uint32_t>(bytes, normalized);
+      return load<uint32_t>(bytes);
     default:
       return load<float>(bytes);
   }
+}
+
+/// Returns the number of a type that stands for 1 if numbers are normalized.
+double largestOf(uint64_t type) {
+  switch (type) {
+    case kInt8:
+      return std::numeric_limits<int8_t>::max();
+    case kUInt8:
+      return std::numeric_limits<uint8_t>::max();
+    case kInt16:
+      return std::numeric_limits<int16_t>::max();
+    case kUInt16:
+      return std::numeric_limits<uint16_t>::max();
+    case kUInt32:
+      return std::numeric_limits<uint32_t>::max();
+    default:
+      return 1.0;
+  }
+}
+
+double scaled(double stored, uint64_t type, bool normalized) {
+  return normalized && type != kFloat ? std::max(stored / largestOf(type), -1.0) : stored;
+}
+
+double loadReal(const std::byte* bytes, uint64_t type, bool normalized) {
+  return scaled(loadNumber(bytes, type), type, normalized);
 }
 
 uint32_t loadIndex(const std::byte* bytes, uint64_t type) {
@@ -76,14 +97,27 @@ std::string inPlainWords(std::string_view message) {
     message.remove_prefix(code + 2);
   constexpr std::string_view kParseError = "parse error at ";
   if (message.starts_with(kParseError)) message.remove_prefix(kParseError.size());
-  return std::string(message);
+  constexpr std::string_view kRead = "; last read: '";
+  const size_t read = message.find(kRead), begin = read + kRead.size();
+  if (read == message.npos) return std::string(message);
+  const size_t end = message.rfind('\'');
+  return std::string(message.substr(0, begin - 1)) + excerpt(message.substr(begin, end - begin)) +
+         std::string(message.substr(end + 1));
 }
 
-std::string shortText(const GltfDocument::Json& json) {
-  return json.dump(-1, ' ', false, GltfDocument::Json::error_handler_t::replace).substr(0, 40);
+std::string jsonText(const GltfDocument::Json& json) {
+  return shortText(json.dump(-1, ' ', false, GltfDocument::Json::error_handler_t::replace));
 }
 
 }  // namespace
+
+std::vector<glm::dvec3> vectors(std::span<const double> numbers) {
+  std::vector<glm::dvec3> result;
+  result.reserve(numbers.size() / 3);
+  for (size_t i = 0; i < numbers.size(); i += 3)
+    result.emplace_back(numbers[i], numbers[i + 1], numbers[i + 2]);
+  return result;
+}
 
 GltfDocument::GltfDocument(const MeshFile& file) : file_(file) {
   if (file.text().starts_with("glTF"))
@@ -126,30 +160,6 @@ void GltfDocument::openBinary() {
   parse(json);
 }
 
-void GltfDocument::openBuffers() {
-  for (uint64_t b = 0; b < size("buffers"); ++b) {
-    const Json& buffer = element("buffers", b);
-    const auto uri = buffer.find("uri");
-    if (uri == buffer.end()) {
-      buffers_.push_back(b == 0 ? binaryChunk_ : std::span<const std::byte>());
-    } else if (!uri->is_string()) {
-      file_.fail("the uri of buffer " + std::to_string(b) + " is not a string");
-    } else {
-      openExternal(uri->get_ref<const std::string&>());
-    }
-    const uint64_t announced = number(buffer, "byteLength");
-    if (announced > buffers_.back().size())
-      file_.fail("buffer " + std::to_string(b) + " announces " + counted(announced, "byte") + ", but has " +
-                 std::to_string(buffers_.back().size()));
-  }
-}
-
-void GltfDocument::openExternal(const std::string& uri) {
-  owned_.push_back(isDataUri(uri) ? decodeDataUri(file_, uri)
-                                  : loadFile(SourceFile(relativeFile(file_, uri))));
-  buffers_.emplace_back(owned_.back());
-}
-
 uint64_t GltfDocument::size(const char* array) const {
   const auto found = root_.find(array);
   if (found == root_.end()) return 0;
@@ -170,7 +180,7 @@ uint64_t GltfDocument::number(const Json& object, const char* key) const {
   const auto found = object.find(key);
   if (found == object.end()) file_.fail(std::string("'") + key + "' is missing");
   if (!found->is_number_unsigned() || found->get<uint64_t>() >= kLargest)
-    file_.fail(std::string("'") + key + "' is not a count or index: " + shortText(*found));
+    file_.fail(std::string("'") + key + "' is not a count or index: " + jsonText(*found));
   return found->get<uint64_t>();
 }
 
@@ -200,7 +210,7 @@ std::vector<double> GltfDocument::numbers(const Json& object, const std::string&
     file_.fail(name + ": '" + key + "' is not a list of " + std::to_string(count) + " numbers");
   for (const Json& value : *found) {
     if (!value.is_number())
-      file_.fail(name + ": '" + key + "' holds " + shortText(value) + ", which is no number");
+      file_.fail(name + ": '" + key + "' holds " + jsonText(value) + ", which is no number");
     result.push_back(value.get<double>());
   }
   return result;
@@ -209,26 +219,16 @@ std::vector<double> GltfDocument::numbers(const Json& object, const std::string&
 uint64_t GltfDocument::accessorCount(uint64_t accessor) const {
   const Json& json = element("accessors", accessor);
   const std::string what = "accessors[" + std::to_string(accessor) + "]";
-  if (!json.contains("bufferView")) file_.fail(what + " has no bufferView");
-  uint64_t stride = 0;
-  const uint64_t count = number(json, "count"), room = bufferView(number(json, "bufferView"), stride).size();
-  if (count > room)
-    file_.fail(what + " has " + counted(count, "element") + ", beyond its bufferView of " +
-               counted(room, "byte"));
+  const uint64_t count = number(json, "count");
+  if (json.contains("bufferView")) {
+    const uint64_t room = viewBytes(number(json, "bufferView"));
+    if (count > room)
+      file_.fail(what + " has " + counted(count, "element") + ", beyond its bufferView of " +
+                 counted(room, "byte"));
+  } else {
+    checkExpansion(file_, count * sizeof(glm::dvec3), bytes());  // All but the sparse values are 0.
+  }
   return count;
-}
-
-std::span<const std::byte> GltfDocument::bufferView(uint64_t index, uint64_t& stride) const {
-  const Json& view = element("bufferViews", index);
-  const uint64_t buffer = number(view, "buffer");
-  element("buffers", buffer);
-  const uint64_t offset = number(view, "byteOffset", 0), length = number(view, "byteLength");
-  if (offset + length > buffers_[buffer].size())
-    file_.fail("bufferViews[" + std::to_string(index) + "] covers bytes " + std::to_string(offset) + " to " +
-               std::to_string(offset + length) + " of a buffer of " +
-               std::to_string(buffers_[buffer].size()));
-  stride = number(view, "byteStride", stride);
-  return buffers_[buffer].subspan(offset, length);
 }
 
 GltfDocument::View GltfDocument::view(const Json& at, uint64_t count, uint64_t elementBytes,
@@ -251,7 +251,11 @@ template <class Put>
 void GltfDocument::readAccessor(uint64_t accessor, uint64_t elementBytes, Put put) const {
   const Json& json = element("accessors", accessor);
   const std::string what = "accessors[" + std::to_string(accessor) + "]";
-  const View base = view(json, accessorCount(accessor), elementBytes, what);
+  static constexpr std::array<std::byte, 16 * sizeof(float)> kZeros{};
+  if (!json.contains("bufferView") && !json.contains("sparse")) file_.fail(what + " has no bufferView");
+  const uint64_t count = accessorCount(accessor);
+  const View base =
+      json.contains("bufferView") ? view(json, count, elementBytes, what) : View{kZeros.data(), 0, count};
   for (uint64_t i = 0; i < base.count; ++i) put(i, base.data + i * base.stride);
   if (const auto sparse = json.find("sparse"); sparse != json.end()) {
     if (!sparse->is_object()) file_.fail(what + ": 'sparse' is not an object");
@@ -304,13 +308,10 @@ std::vector<double> GltfDocument::reals(uint64_t accessor, const char* type, uin
   return result;
 }
 
-std::vector<glm::dvec3> GltfDocument::positions(uint64_t accessor) const {
-  const std::vector<double> numbers = reals(accessor, "VEC3", 3);
-  std::vector<glm::dvec3> result;
-  result.reserve(numbers.size() / 3);
-  for (size_t i = 0; i < numbers.size(); i += 3)
-    result.emplace_back(numbers[i], numbers[i + 1], numbers[i + 2]);
-  return result;
+double GltfDocument::real(uint64_t accessor, double stored) const {
+  const Json& json = element("accessors", accessor);
+  const auto normalized = json.find("normalized");
+  return scaled(stored, number(json, "componentType"), normalized != json.end() && *normalized == true);
 }
 
 std::vector<glm::dvec3> GltfDocument::offsets(uint64_t accessor, size_t count) const {
@@ -319,18 +320,9 @@ std::vector<glm::dvec3> GltfDocument::offsets(uint64_t accessor, size_t count) c
   if (number(json, "count") != count)
     file_.fail(what + " holds the offsets of " + counted(number(json, "count"), "vertex") +
                " of a morph target, POSITION has " + std::to_string(count));
-  if (json.contains("bufferView")) return positions(accessor);
-  std::vector<glm::dvec3> result(count, glm::dvec3(0.0));
-  const Component part = component(json, "VEC3", what);
-  const uint64_t bytes = componentBytes(part.type);
-  if (const auto sparse = json.find("sparse"); sparse != json.end()) {
-    if (!sparse->is_object()) file_.fail(what + ": 'sparse' is not an object");
-    readSparse(*sparse, count, 3 * bytes, what, [&](uint64_t i, const std::byte* at) {
-      for (uint64_t c = 0; c < 3; ++c)
-        result[i][static_cast<int>(c)] = loadReal(at + c * bytes, part.type, part.normalized);
-    });
-  }
-  return result;
+  if (json.contains("bufferView") || json.contains("sparse")) return vectors(reals(accessor, "VEC3", 3));
+  component(json, "VEC3", what);
+  return std::vector<glm::dvec3>(count, glm::dvec3(0.0));
 }
 
 std::vector<uint32_t> GltfDocument::vertexIndices(uint64_t accessor) const {

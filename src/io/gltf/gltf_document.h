@@ -1,5 +1,6 @@
 #pragma once
 
+#include <map>
 #include <nlohmann/json.hpp>
 #include <vector>
 
@@ -27,15 +28,21 @@ class GltfDocument {
   std::vector<double> numbers(const Json& object, const std::string& name, const char* key,
                               size_t count) const;
 
-  /// Returns the number of elements, at most the number of bytes of the accessor's bufferView.
+  /// Returns the number of bytes of the file and the buffers that it refers to.
+  uint64_t bytes() const;
+  /// Returns the bytes of a bufferView, decoded if they are compressed. Sets `stride` if the view has one.
+  std::span<const std::byte> bufferView(uint64_t index, uint64_t& stride) const;
+  /// Returns the number of elements, at most the number of bytes of the accessor's bufferView. Without one,
+  /// the elements are 0, or another part of the file has them.
   uint64_t accessorCount(uint64_t accessor) const;
-  std::vector<glm::dvec3> positions(uint64_t accessor) const;
-  /// Returns the offsets of `count` vertices. Without a bufferView they are 0, but for sparse values.
+  /// Returns the offsets of `count` vertices. Without a bufferView and sparse values they are 0.
   std::vector<glm::dvec3> offsets(uint64_t accessor, size_t count) const;
   /// Returns all numbers of an accessor whose elements have the type `type` ("VEC4") with `components`
   /// numbers.
   std::vector<double> reals(uint64_t accessor, const char* type, uint64_t components) const;
   std::vector<uint32_t> vertexIndices(uint64_t accessor) const;
+  /// Returns what an accessor makes of a number in its data: itself, unless the accessor normalizes.
+  double real(uint64_t accessor, double stored) const;
 
  private:
   /// A part of a buffer, read in equal steps. Its bounds have been checked.
@@ -53,7 +60,10 @@ class GltfDocument {
   void openBinary();
   void openBuffers();
   void openExternal(const std::string& uri);
-  std::span<const std::byte> bufferView(uint64_t index, uint64_t& stride) const;
+  std::span<const std::byte> decoded(uint64_t index, const Json& view, const Json& compressed) const;
+  std::span<const std::byte> bufferBytes(const Json& view, uint64_t index) const;
+  /// Returns the size of a bufferView, decoded if it is compressed.
+  uint64_t viewBytes(uint64_t index) const;
   View view(const Json& at, uint64_t count, uint64_t elementBytes, const std::string& what) const;
   /// Calls `put(element, bytes)` for each value of the accessor, then for each sparse value, which replaces
   /// it.
@@ -69,6 +79,11 @@ class GltfDocument {
   std::span<const std::byte> binaryChunk_;
   std::vector<std::span<const std::byte>> buffers_;
   std::vector<Buffer<std::byte>> owned_;
+  mutable std::map<uint64_t, Buffer<std::byte>> decoded_;  ///< By the bufferView.
+  mutable uint64_t decodedBytes_ = 0;
 };
+
+/// Returns each three numbers as a vector.
+std::vector<glm::dvec3> vectors(std::span<const double> numbers);
 
 }  // namespace raymap

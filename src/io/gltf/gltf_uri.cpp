@@ -2,6 +2,8 @@
 
 #include <array>
 
+#include "base/text.h"
+
 namespace raymap {
 
 namespace {
@@ -46,11 +48,11 @@ Buffer<std::byte> decodeDataUri(const MeshFile& file, std::string_view uri) {
   return bytes;
 }
 
-std::filesystem::path relativeFile(const MeshFile& file, std::string_view uri) {
+Buffer<std::byte> loadUri(const MeshFile& file, std::string_view uri) {
   const std::string name = unescapedUri(uri);
-  if (uri.find(':') != uri.npos || std::filesystem::path(name).is_absolute() || name.find('\0') != name.npos)
-    file.fail("it refers to '" + std::string(uri.substr(0, 80)) + "'; only files beside it are read");
-  return file.folder / name;
+  if (uri.find(':') != uri.npos || name.empty() || name.find('\0') != name.npos)
+    file.fail("it refers to " + excerpt(uri, kLongestName) + "; only files in its own folder are read");
+  return loadFile(SourceFile(file.folder, name, file.path));
 }
 
 }  // namespace raymap

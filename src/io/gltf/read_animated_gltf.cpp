@@ -42,18 +42,36 @@ class AnimatedReader {
   }
 
   AnimatedMesh read(uint64_t animation) {
-    // 128 bytes per vertex: positions, joints and weights, as read and as kept.
-    scene_.checkSize(4 * sizeof(glm::dvec4));
-    readNodes();
-    std::vector<IndexRange> morphs;
-    for (uint32_t n = 0; n < mesh_.nodes.size(); ++n) {
-      const std::vector<const Json*> surfaces = scene_.surfaces(*scene_.nodes()[n].json);
-      const size_t first = positions_.size();
-      for (const Json* surface : surfaces) readSurface(*surface, n);
-      morphs.push_back(readMorphs(scene_.nodes()[n], surfaces, first));
-    }
+    const std::vector<IndexRange> morphs = readScene();
     mesh_.clips = animationNames(document_);
     mesh_.tracks = readTracks(file_, scene_, animation, places_, morphs);
+    finish();
+    return std::move(mesh_);
+  }
+
+  /// Reads all but animations.
+  AnimatedMesh readStill() {
+    readScene();
+    finish();
+    return std::move(mesh_);
+  }
+
+ private:
+  /// Reads the scene, and returns the morphs of each of its nodes.
+  std::vector<IndexRange> readScene() {
+    // 128 bytes per vertex: positions, joints and weights, as read and as kept.
+    scene_.open(4 * sizeof(glm::dvec4));
+    readNodes();
+    std::vector<IndexRange> morphs;
+    for (uint32_t n = 0; n < scene_.nodes().size(); ++n) {
+      const GltfScene::Node& node = scene_.nodes()[n];
+      const std::vector<const Json*>& surfaces = scene_.surfaces(node).list;
+      const size_t first = positions_.size();
+      const std::vector<uint32_t> places = placesOf(n);
+      for (const uint32_t place : places)
+        for (const Json* surface : surfaces) readSurface(*surface, *node.json, place);
+      morphs.push_back(readMorphs(node, surfaces, first, places.size()));
+    }
     scene_.warnOfOthers();
     if (weightless_ > 0)
       file_.warnThat(counted(weightless_, "vertex") + " without weights: their first joint moves them");
@@ -64,11 +82,9 @@ class AnimatedReader {
     if (crowded_ > 0)
       file_.warnThat(counted(crowded_, "vertex") +
                      " with more than four joints: the four that count most move them");
-    finish();
-    return std::move(mesh_);
+    return morphs;
   }
 
- private:
   void readNodes() {
     for (const GltfScene::Node& node : scene_.nodes()) {
       AnimatedMesh::Node& place = mesh_.nodes.emplace_back();
@@ -86,18 +102,37 @@ class AnimatedReader {
     }
   }
 
-  void readSurface(const Json& surface, uint32_t node) {
+  /// Returns the nodes that show the mesh of a node: itself, or one for each of its instances.
+  std::vector<uint32_t> placesOf(uint32_t n) {
+    const GltfScene::Node& node = scene_.nodes()[n];
+    const auto instances = scene_.instances(node);
+    if (!instances) return {n};
+    if (node.json->contains("skin"))
+      file_.fail("nodes[" + std::to_string(node.index) +
+                 "] has a skin and instances, which mean nothing together; remove one of them");
+    std::vector<uint32_t> places;
+    for (const GltfScene::Placement& each : *instances) {
+      places.push_back(static_cast<uint32_t>(mesh_.nodes.size()));
+      mesh_.nodes.push_back({.parent = static_cast<int>(n),
+                             .translation = each.translation,
+                             .rotation = each.rotation,
+                             .scale = each.scale});
+    }
+    return places;
+  }
+
+  /// Reads a surface of the node `json`, which moves as the node `node` of the mesh does.
+  void readSurface(const Json& surface, const Json& json, uint32_t node) {
     const std::vector<glm::dvec3> positions = scene_.positions(surface);
     const auto first = static_cast<uint32_t>(positions_.size());
     if (positions_.size() + positions.size() >= UINT32_MAX) file_.fail("more than 2^32 vertices");
     positions_.insert(positions_.end(), positions.begin(), positions.end());
-    const Json& json = *scene_.nodes()[node].json;
     const bool hasSkin = json.contains("skin"), hasJoints = surface["attributes"].contains("JOINTS_0");
     const bool isSkinned = hasSkin && hasJoints;
     if (hasSkin != hasJoints) halfSkinned_ += positions.size();
     const IndexRange joints = isSkinned ? skinJoints(document_.number(json, "skin")) : nodeJoint(node);
     if (isSkinned) {
-      readInfluences(surface["attributes"], positions.size(), joints);
+      readInfluences(surface, positions.size(), joints);
     } else {
       mesh_.joints.resize(positions_.size(), glm::u16vec4(static_cast<uint16_t>(joints.first)));
       mesh_.weights.resize(positions_.size(), glm::vec4(1.0F, 0.0F, 0.0F, 0.0F));
@@ -114,8 +149,10 @@ class AnimatedReader {
     return found->size();
   }
 
-  /// Reads the morph targets of the surfaces of a node, whose vertices begin at `first`.
-  IndexRange readMorphs(const GltfScene::Node& node, const std::vector<const Json*>& surfaces, size_t first) {
+  /// Reads the morph targets of the surfaces of a node, whose vertices begin at `first`. One target moves all
+  /// its instances.
+  IndexRange readMorphs(const GltfScene::Node& node, const std::vector<const Json*>& surfaces, size_t first,
+                        size_t instances) {
     const size_t count = surfaces.empty() ? 0 : targetCount(*surfaces[0]);
     IndexRange range{static_cast<uint32_t>(mesh_.morphs.size()), static_cast<uint32_t>(count)};
     for (const Json* surface : surfaces)
@@ -133,7 +170,11 @@ class AnimatedReader {
     for (size_t t = 0; t < count; ++t) {
       countBytes((positions_.size() - first) * sizeof(glm::vec3));
       AnimatedMesh::Morph morph{.weight = weights[t], .firstVertex = static_cast<uint32_t>(first)};
-      for (const Json* surface : surfaces) readTarget((*surface)["targets"][t], *surface, morph.offsets);
+      for (size_t i = 0; i < instances; ++i)
+        for (const Json* surface : surfaces) readTarget((*surface)["targets"][t], *surface, morph.offsets);
+      if (morph.offsets.size() != positions_.size() - first)
+        file_.fail("its Draco data have " + counted(positions_.size() - first, "vertex") + ", and " +
+                   counted(morph.offsets.size(), "offset") + " of a morph target move them");
       mesh_.morphs.push_back(std::move(morph));
     }
     return range;
@@ -224,12 +265,13 @@ class AnimatedReader {
   };
 
   /// Reads joints and weights, which come in sets of four per vertex.
-  void readInfluences(const Json& attributes, size_t vertexCount, IndexRange joints) {
+  void readInfluences(const Json& surface, size_t vertexCount, IndexRange joints) {
+    const Json& attributes = surface["attributes"];
     std::vector<std::vector<double>> numbers, weights;
     for (int set = 0; attributes.contains("JOINTS_" + std::to_string(set)); ++set) {
-      numbers.push_back(readSet(attributes, "JOINTS_" + std::to_string(set), vertexCount));
+      numbers.push_back(readSet(surface, "JOINTS_" + std::to_string(set), vertexCount));
       checkJointType(document_.number(attributes, ("JOINTS_" + std::to_string(set)).c_str()));
-      weights.push_back(readSet(attributes, "WEIGHTS_" + std::to_string(set), vertexCount));
+      weights.push_back(readSet(surface, "WEIGHTS_" + std::to_string(set), vertexCount));
     }
     std::vector<Influence> influences;
     for (size_t v = 0; v < vertexCount; ++v) {
@@ -241,10 +283,10 @@ class AnimatedReader {
     }
   }
 
-  std::vector<double> readSet(const Json& attributes, const std::string& name, size_t vertexCount) {
-    const uint64_t accessor = document_.number(attributes, name.c_str());
+  std::vector<double> readSet(const Json& surface, const std::string& name, size_t vertexCount) {
+    const uint64_t accessor = document_.number(surface["attributes"], name.c_str());
     countBytes(document_.accessorCount(accessor) * sizeof(glm::dvec4));
-    std::vector<double> numbers = document_.reals(accessor, "VEC4", 4);
+    std::vector<double> numbers = scene_.attribute(surface, name, "VEC4", 4);
     if (numbers.size() != 4 * vertexCount)
       file_.fail("accessors[" + std::to_string(accessor) + "]: " + name + " of " +
                  counted(numbers.size() / 4, "vertex") + ", POSITION has " + std::to_string(vertexCount));
@@ -329,6 +371,10 @@ class AnimatedReader {
 };
 
 }  // namespace
+
+Mesh readStandingGltf(const MeshFile& file) {
+  return posed(AnimatedReader(file).readStill(), 0.0);
+}
 
 AnimatedMesh readAnimatedGltf(const MeshFile& file, size_t animation) {
   return AnimatedReader(file).read(animation);

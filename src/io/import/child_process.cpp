@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <csignal>
+#include <cstdlib>
 #include <cstring>
 #include <system_error>
 
@@ -31,13 +32,17 @@ int spawn(const std::filesystem::path& program, const std::vector<std::string>& 
   std::vector<char*> argv{name.data()};
   for (std::string& word : words) argv.push_back(word.data());
   argv.push_back(nullptr);
+  // Nothing of the environment but where the program's libraries lie.
+  const char* const libraries = std::getenv("LD_LIBRARY_PATH");
+  std::string variable = std::string("LD_LIBRARY_PATH=") + (libraries ? libraries : "");
+  char* environment[] = {libraries ? variable.data() : nullptr, nullptr};
 
   posix_spawn_file_actions_t actions;
   posix_spawn_file_actions_init(&actions);
   posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
   posix_spawn_file_actions_adddup2(&actions, output, STDOUT_FILENO);
   posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, "/dev/null", O_WRONLY, 0);
-  const int code = posix_spawn(&pid, name.c_str(), &actions, nullptr, argv.data(), environ);
+  const int code = posix_spawn(&pid, name.c_str(), &actions, nullptr, argv.data(), environment);
   posix_spawn_file_actions_destroy(&actions);
   return code;
 }

@@ -3,16 +3,17 @@
 #include <assimp/scene.h>
 #include <raymap/error.h>
 
+#include <assimp/IOSystem.hpp>
 #include <assimp/Importer.hpp>
-#include <filesystem>
-#include <fstream>
 #include <glm/glm.hpp>
-#include <iterator>
+#include <new>
 #include <string>
 #include <vector>
 
+#include "base/text.h"
 #include "io/import/import_stream.h"
 #include "io/import/raymap_import.h"
+#include "mesh/polygon.h"
 
 namespace raymap {
 
@@ -21,12 +22,32 @@ namespace {
 struct Result {
   std::vector<glm::dvec3> positions;
   std::vector<glm::uvec3> triangles;
-  uint64_t otherFaces = 0;
+  uint64_t otherFaces = 0, uncutFaces = 0;
 };
 
 glm::dmat4 matrix(const aiMatrix4x4& m) {
   return glm::transpose(glm::dmat4(m.a1, m.a2, m.a3, m.a4, m.b1, m.b2, m.b3, m.b4, m.c1, m.c2, m.c3, m.c4,
                                    m.d1, m.d2, m.d3, m.d4));
+}
+
+/// Appends the triangles of a face, whose vertices follow `first`.
+void appendFace(const aiMesh& mesh, const aiFace& face, uint32_t first, bool isMirrored, Result& result) {
+  if (face.mNumIndices < 3) ++result.otherFaces;
+  std::vector<glm::dvec3> corners;
+  for (unsigned c = 0; c < face.mNumIndices; ++c) {
+    if (face.mIndices[c] >= mesh.mNumVertices)
+      throw Error(ErrorCode::Input, "a face uses vertex " + std::to_string(face.mIndices[c]) +
+                                        " of a mesh that has " + std::to_string(mesh.mNumVertices));
+    const aiVector3D& p = mesh.mVertices[face.mIndices[c]];
+    corners.emplace_back(p.x, p.y, p.z);
+  }
+  std::vector<glm::uvec3> triangles;
+  if (cutPolygon(corners, triangles) == PolygonCut::None) ++result.uncutFaces;
+  for (const glm::uvec3& t : triangles) {
+    glm::uvec3 triangle(face.mIndices[t.x], face.mIndices[t.y], face.mIndices[t.z]);
+    if (isMirrored) std::swap(triangle.y, triangle.z);
+    result.triangles.push_back(triangle + first);
+  }
 }
 
 void appendMesh(const aiMesh& mesh, const glm::dmat4& transform, Result& result) {
@@ -36,15 +57,7 @@ void appendMesh(const aiMesh& mesh, const glm::dmat4& transform, Result& result)
     result.positions.emplace_back(transform * glm::dvec4(p.x, p.y, p.z, 1.0));
   }
   const bool isMirrored = glm::determinant(glm::dmat3(transform)) < 0.0;
-  for (unsigned f = 0; f < mesh.mNumFaces; ++f) {
-    const aiFace& face = mesh.mFaces[f];
-    if (face.mNumIndices < 3) ++result.otherFaces;
-    for (unsigned i = 2; i < face.mNumIndices; ++i) {
-      glm::uvec3 triangle(face.mIndices[0], face.mIndices[i - 1], face.mIndices[i]);
-      if (isMirrored) std::swap(triangle.y, triangle.z);
-      result.triangles.push_back(triangle + first);
-    }
-  }
+  for (unsigned f = 0; f < mesh.mNumFaces; ++f) appendFace(mesh, mesh.mFaces[f], first, isMirrored, result);
 }
 
 /// Returns a node's transform as the file stores it. The root of an FBX has none, but Assimp 5.4 and later
@@ -66,27 +79,38 @@ void appendNodes(const aiScene& scene, Result& result) {
   }
 }
 
-/// Reads the file, or its bytes if its name has another extension than the format: Assimp goes by that.
-const aiScene* readScene(Assimp::Importer& importer, const std::filesystem::path& path,
-                         const std::string& format) {
-  if (path.extension() == format) return importer.ReadFile(path, 0);
-  std::ifstream file(path, std::ios::binary);
-  const std::string bytes{std::istreambuf_iterator<char>(file), {}};
+/// Opens no file: a mesh of which Assimp would read other files is read without them.
+class NoFiles : public Assimp::IOSystem {
+ public:
+  bool Exists(const char*) const override { return false; }
+  char getOsSeparator() const override { return '/'; }
+  Assimp::IOStream* Open(const char*, const char*) override { return nullptr; }
+  void Close(Assimp::IOStream*) override {}
+};
+
+const aiScene* readScene(Assimp::Importer& importer, const std::string& bytes, const std::string& format) {
+  importer.SetIOHandler(new NoFiles);  // The importer deletes it.
   return importer.ReadFileFromMemory(bytes.data(), bytes.size(), 0, format.c_str() + 1);
 }
 
 }  // namespace
 
-void sendMesh(const char* path, const std::string& format) {
+void sendMesh(int file, const std::string& format) {
   Assimp::Importer importer;
-  const aiScene* scene = readScene(importer, path, format);
-  if (!scene || !scene->mRootNode) throw Error(ErrorCode::Input, importer.GetErrorString());
+  const std::string bytes = bytesOf(file);
+  const aiScene* scene = readScene(importer, bytes, format);
+  if (!scene || !scene->mRootNode) {
+    const std::string reason = importer.GetErrorString();
+    // Texts of exceptions about sizes. The caller words them.
+    for (const char* text : {"bad_alloc", "bad_array_new_length", "vector::", "basic_string::"})
+      if (reason.find(text) != reason.npos) throw std::bad_alloc();
+    throw Error(ErrorCode::Input, withExcerpts(reason));
+  }
   Result result;
   appendNodes(*scene, result);
-  sendSuccess(result.otherFaces > 0
-                  ? std::to_string(result.otherFaces) + " points, lines or empty faces ignored"
-                  : "");
-  const MeshHeader header{result.positions.size(), result.triangles.size()};
+  sendSuccess("");
+  const MeshHeader header{result.positions.size(), result.triangles.size(), result.otherFaces,
+                          result.uncutFaces};
   put(&header, sizeof header);
   put(result.positions.data(), result.positions.size() * sizeof(glm::dvec3));
   put(result.triangles.data(), result.triangles.size() * sizeof(glm::uvec3));

@@ -16,4 +16,8 @@ using GridReader = std::function<openvdb::GridBase::Ptr(const std::string& name)
 void sendGrids(const openvdb::GridPtrVec& grids, const GridReader& read, const std::string& gridName,
                uint64_t mostDense);
 
+/// Keeps oneTBB, which OpenVDB uses even to free its trees, from starting threads. They would need address
+/// space for their stacks, and a confined process cannot start any.
+void useOneThread();
+
 }  // namespace raymap

@@ -8,18 +8,19 @@
 #include <openvdb/openvdb.h>
 #include <raymap/error.h>
 #include <tbb/global_control.h>
+#include <unistd.h>
 #include <zlib.h>
 
 #include <algorithm>
 #include <cmath>
 #include <cstring>
-#include <fstream>
 #include <sstream>
 #include <string>
 #include <string_view>
 #include <type_traits>
 #include <vector>
 
+#include "base/text.h"
 #include "io/field/nvdb.h"
 #include "io/field/nvdb_nodes.h"
 #include "io/import/import_grids.h"
@@ -41,17 +42,22 @@ constexpr uint64_t kNewFileMagic = 0x324244566f6e614eUL, kNewGridMagic = 0x31424
 /// A file, of which no more is read than it holds.
 class Bytes {
  public:
-  explicit Bytes(const char* path) : file_(path, std::ios::binary) {
-    file_.seekg(0, std::ios::end);
-    remaining_ = file_ ? uint64_t(file_.tellg()) : 0;
-    file_.seekg(0);
+  explicit Bytes(int file) : file_(file) {
+    const off_t size = lseek(file, 0, SEEK_END);
+    remaining_ = size > 0 ? uint64_t(size) : 0;
+    lseek(file, 0, SEEK_SET);
   }
 
   uint64_t remaining() const { return remaining_; }
   void read(void* to, uint64_t bytes) {
-    if (bytes > remaining_ || !file_.read(static_cast<char*>(to), std::streamsize(bytes)))
-      throwDamaged("it ends early");
+    if (bytes > remaining_) throwDamaged("it ends early");
     remaining_ -= bytes;
+    for (char* at = static_cast<char*>(to); bytes > 0;) {
+      const ssize_t count = ::read(file_, at, bytes);
+      if (count <= 0) throwDamaged("it ends early");
+      at += count;
+      bytes -= uint64_t(count);
+    }
   }
   template <class Value>
   Value read() {
@@ -61,7 +67,7 @@ class Bytes {
   }
 
  private:
-  std::ifstream file_;
+  int file_;
   uint64_t remaining_ = 0;
 };
 
@@ -109,9 +115,10 @@ nanovdb::HostBuffer readBytes(Bytes& file, nanovdb::io::Codec codec, uint64_t si
 void checkGrid(NanoGrid& grid) {
   nanovdb::GridData& data = grid.data();
   if (data.mMagic != kNewGridMagic && data.mMagic != NANOVDB_MAGIC_NUMBER)
-    throwDamaged("its grid '" + grid.name + "' does not begin as one");
+    throwDamaged("its grid " + excerpt(grid.name, kLongestName) + " does not begin as one");
   checkVersion(data.mVersion);
-  if (data.mGridSize > grid.bytes.size()) throwDamaged("its grid '" + grid.name + "' ends early");
+  if (data.mGridSize > grid.bytes.size())
+    throwDamaged("its grid " + excerpt(grid.name, kLongestName) + " ends early");
   data.mMagic = NANOVDB_MAGIC_NUMBER;
   // Later versions compute other checksums.
   if (data.mVersion > nanovdb::Version()) data.mChecksum = nanovdb::GridChecksum::EMPTY;
@@ -138,7 +145,7 @@ void readSegment(Bytes& file, std::vector<NanoGrid>& grids) {
   }
   for (size_t g = 0; g < about.size(); ++g) {
     if (about[g].gridSize < sizeof(nanovdb::GridData) + sizeof(nanovdb::TreeData<>))
-      throwDamaged("its grid '" + names[g] + "' is too small");
+      throwDamaged("its grid " + excerpt(names[g], kLongestName) + " is too small");
     grids.push_back({names[g], readBytes(file, header.codec, about[g].gridSize, about[g].fileSize)});
     checkGrid(grids.back());
   }
@@ -211,7 +218,7 @@ template <class Build>
 openvdb::GridBase::Ptr convertTo(const NanoGrid& grid) {
   auto& typed = *reinterpret_cast<nanovdb::NanoGrid<Build>*>(&grid.data());
   const std::string wrong = nanovdb::GridValidator<Build>::check(typed);
-  if (!wrong.empty()) throwDamaged("its grid '" + grid.name + "': " + wrong);
+  if (!wrong.empty()) throwDamaged("its grid " + excerpt(grid.name, kLongestName) + ": " + wrong);
   placeEmptyNodes(typed);
   const auto made = nanovdb::nanoToOpenVDB(typed);
   constexpr bool kIsQuantized = !std::is_same_v<Build, typename nanovdb::BuildToValueMap<Build>::Type>;
@@ -238,10 +245,14 @@ openvdb::GridBase::Ptr convert(const NanoGrid& grid) {
 
 }  // namespace
 
-void sendNvdb(const char* path, const std::string& gridName, uint64_t mostDense) {
+void useOneThread() {
+  static const tbb::global_control kOneThread(tbb::global_control::max_allowed_parallelism, 1);
+}
+
+void sendNvdb(int descriptor, const std::string& gridName, uint64_t mostDense) {
   openvdb::initialize();
-  const tbb::global_control oneThread(tbb::global_control::max_allowed_parallelism, 1);
-  Bytes file(path);
+  useOneThread();
+  Bytes file(descriptor);
   std::vector<NanoGrid> grids;
   while (file.remaining() > 0) readSegment(file, grids);
   std::ranges::stable_sort(grids, {}, &NanoGrid::name);  // As those of a .vdb.

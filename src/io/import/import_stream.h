@@ -3,6 +3,8 @@
 // Output of `raymap-import`, in the machine's own byte order: an ImportHeader and its message. Unless that is
 // an error, one of these follows:
 // - a MeshHeader, the positions (three doubles each) and the triangles (three 32-bit indices each);
+// - for each mesh of a request for Draco, a MeshHeader, the triangles, and for each attribute that was asked
+//   for the number of its components (64 bits) and its numbers (doubles);
 // - for each grid, a VdbHeader and the samples (four bytes each, x fastest);
 // - for a narrow band, a VdbHeader, the leaves (glm::ivec3 each), the tiles (SparseField::Tile each) and the
 //   distances (512 of four bytes per leaf, x fastest); for each further grid, a VdbHeader and its values.
@@ -12,13 +14,12 @@
 
 namespace raymap {
 
-inline constexpr uint32_t kImportMagic = 0x36494d52;  // RMI6
+inline constexpr uint32_t kImportMagic = 0x37494d52;  // RMI7
 
 struct ImportHeader {
   uint32_t magic = kImportMagic;
   uint32_t failure = 0;  ///< 0 for success, else 1 + ErrorCode; the message then gives the reason.
-  /// Length of the message. Without an error it is a warning of a mesh, or the names of the grids that are
-  /// left out, a line each.
+  /// Length of the message. Without an error it has the names of the grids that are left out, a line each.
   uint64_t messageBytes = 0;
 };
 static_assert(sizeof(ImportHeader) == 16);
@@ -26,8 +27,18 @@ static_assert(sizeof(ImportHeader) == 16);
 struct MeshHeader {
   uint64_t vertices = 0;
   uint64_t triangles = 0;
+  uint64_t otherFaces = 0;  ///< Points, lines and faces without corners, which are left out.
+  uint64_t uncutFaces = 0;  ///< Those that `PolygonCut::None` describes.
 };
-static_assert(sizeof(MeshHeader) == 16);
+static_assert(sizeof(MeshHeader) == 32);
+
+/// Begins each mesh of a request for Draco, a file that only `raymap-import` reads. The unique numbers of the
+/// attributes (32 bits each) and the compressed bytes follow.
+struct DracoHeader {
+  uint64_t attributes = 0;
+  uint64_t bytes = 0;
+};
+static_assert(sizeof(DracoHeader) == 16);
 
 struct VdbHeader {
   std::array<int64_t, 3> dims{};

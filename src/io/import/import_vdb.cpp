@@ -1,9 +1,10 @@
-// Reads a .vdb with OpenVDB, for `raymap-import`. Runs on this thread alone, because further threads would
-// need address space for their stacks.
+// Reads a .vdb with OpenVDB, for `raymap-import`.
 
 #include <openvdb/openvdb.h>
+#include <openvdb/tools/ChangeBackground.h>
 #include <openvdb/tools/Dense.h>
 #include <raymap/error.h>
+#include <sys/resource.h>
 
 #include <algorithm>
 #include <cmath>
@@ -13,6 +14,7 @@
 #include <string>
 #include <vector>
 
+#include "base/text.h"
 #include "io/field/vdb.h"
 #include "io/import/import_band.h"
 #include "io/import/import_grids.h"
@@ -52,12 +54,12 @@ void checkName(const std::string& name, const openvdb::GridPtrVec& grids) {
   for (const auto& grid : grids) {
     if (grid->getName() == name) {
       if (grid->isType<openvdb::FloatGrid>() || grid->isType<openvdb::Int32Grid>()) return;
-      throw Error(ErrorCode::Unsupported,
-                  "its grid '" + name + "' holds neither floats nor whole numbers of 32 bits");
+      throw Error(ErrorCode::Unsupported, "its grid " + excerpt(name, kLongestName) +
+                                              " holds neither floats nor whole numbers of 32 bits");
     }
-    known += (known.empty() ? "'" : ", '") + grid->getName() + "'";
+    known += (known.empty() ? "" : ", ") + excerpt(grid->getName(), kLongestName);
   }
-  throw Error(ErrorCode::Usage, "it has no grid '" + name + "'; its grids are " + known);
+  throw Error(ErrorCode::Usage, "it has no grid " + excerpt(name, kLongestName) + "; its grids are " + known);
 }
 
 /// Returns the names of the grids to read: all that raymap wrote of one field, the distance first, or else
@@ -111,6 +113,33 @@ double bandOf(const openvdb::GridBase& base) {
   return background;
 }
 
+/// Returns the index of the first sample of a grid that raymap wrote. Throws `Error(Input)` if the indices of
+/// its samples may exceed 32 bits.
+openvdb::Coord lowOf(const openvdb::GridBase& grid) {
+  const auto low = grid.getMetadata<openvdb::Vec3IMetadata>(kVdbLowKey);
+  if (!low) return openvdb::Coord(0);
+  constexpr int kMost = 1 << 30;
+  const auto dims = grid.getMetadata<openvdb::Vec3IMetadata>(kVdbDimsKey);
+  for (int axis = 0; axis < 3; ++axis)
+    if (low->value()[axis] < -kMost || low->value()[axis] > kMost || !dims || dims->value()[axis] > kMost)
+      throw Error(ErrorCode::Input,
+                  std::string("its ") + kVdbLowKey + " or " + kVdbDimsKey + " is no place of samples");
+  return openvdb::Coord(low->value());
+}
+
+/// Gives clamped samples the values that they had before they were stored as the background.
+void restoreClamped(openvdb::GridBase& base) {
+  const auto noted = base.getMetadata<openvdb::Vec2SMetadata>(kVdbClampedKey);
+  if (!noted || !base.isType<openvdb::FloatGrid>()) return;
+  auto& grid = static_cast<openvdb::FloatGrid&>(base);
+  const float outside = noted->value()[0], inside = noted->value()[1], background = grid.background();
+  constexpr float kLeast = 0.99f;  // Stored widths are larger by a step of 16 bits at most.
+  if (!(outside >= kLeast * background && outside <= background && inside > 0.0f)) return;
+  openvdb::tools::changeAsymmetricLevelSetBackground(grid.tree(), outside, -inside, /*threaded=*/false);
+  // 16 bits may have rounded active values up.
+  for (auto value = grid.beginValueOn(); value; ++value) value.setValue(std::clamp(*value, -inside, outside));
+}
+
 /// Says where the samples of a box lie.
 void place(const openvdb::GridBase& grid, const openvdb::CoordBBox& box, VdbHeader& header) {
   const openvdb::Vec3d origin = grid.transform().indexToWorld(box.min());
@@ -126,6 +155,8 @@ VdbHeader headerOf(const openvdb::GridBase& grid, openvdb::CoordBBox& box) {
   const openvdb::Vec3d size = transform.voxelSize();
   const openvdb::Vec3d zero = transform.indexToWorld(openvdb::Vec3d(0.0));
   constexpr double kTolerance = 1e-6;
+  if (!std::isfinite(size.length()) || !std::isfinite(zero.length()))
+    throw Error(ErrorCode::Input, "its grid has a spacing or an origin that is not finite");
   if (!transform.isLinear()) throw Error(ErrorCode::Unsupported, "its grid is not straight; resample it");
   for (int axis = 0; axis < 3; ++axis) {
     openvdb::Vec3d step(0.0);
@@ -138,7 +169,8 @@ VdbHeader headerOf(const openvdb::GridBase& grid, openvdb::CoordBBox& box) {
   VdbHeader header;
   header.spacing = size[0];
   if (const auto dims = grid.getMetadata<openvdb::Vec3IMetadata>(kVdbDimsKey)) {
-    box = {openvdb::Coord(0), openvdb::Coord(dims->value()) - openvdb::Coord(1)};
+    box.min() = lowOf(grid);
+    box.max() = box.min() + openvdb::Coord(dims->value()) - openvdb::Coord(1);
   } else {
     box = grid.evalActiveVoxelBoundingBox();
     if (grid.activeVoxelCount() == 0) throw Error(ErrorCode::Input, "its grid has no active voxel");
@@ -180,8 +212,8 @@ bool isSentAsBand(const openvdb::GridBase& grid, const VdbHeader& header, uint64
   if (samples <= double(mostDense)) return false;
   const bool isLevelSet = grid.getGridClass() == openvdb::GRID_LEVEL_SET && grid.isType<openvdb::FloatGrid>();
   if (!isLevelSet && mostDense == 0)
-    throw Error(ErrorCode::Unsupported, "its grid '" + grid.getName() +
-                                            "' is no level set of floats, so it " +
+    throw Error(ErrorCode::Unsupported, "its grid " + excerpt(grid.getName(), kLongestName) +
+                                            " is no level set of floats, so it " +
                                             "is no narrow band; read it as a field");
   return isLevelSet;
 }
@@ -215,17 +247,19 @@ void putValues(const openvdb::GridBase& grid, const openvdb::CoordBBox& box,
 
 void sendGrids(const openvdb::GridPtrVec& grids, const GridReader& read, const std::string& gridName,
                uint64_t mostDense) {
+  constexpr rlimit kNoLimit{RLIM_INFINITY, RLIM_INFINITY};
   const std::vector<std::string> names = chooseGrids(grids, gridName);
   std::optional<BandShape> band;
   for (size_t g = 0; g < names.size(); ++g) {
     const openvdb::GridBase::Ptr grid = read(names[g]);
+    restoreClamped(*grid);
     openvdb::CoordBBox box;
     VdbHeader header = headerOf(*grid, box);
     header.gridsAfter = names.size() - 1 - g;
     if (g == 0) {
       if (isSentAsBand(*grid, header, mostDense)) band = shapeOf(*grid, box, header);
       // The remaining time grows with the number of samples, which the parent process limits.
-      limitSeconds(RLIM_INFINITY);
+      setrlimit(RLIMIT_CPU, &kNoLimit);
       sendSuccess(othersThan(names, grids));
     }
     put(&header, sizeof header);
@@ -234,9 +268,10 @@ void sendGrids(const openvdb::GridPtrVec& grids, const GridReader& read, const s
   }
 }
 
-void sendVdb(const char* path, const std::string& gridName, uint64_t mostDense) {
+void sendVdb(int descriptor, const std::string& gridName, uint64_t mostDense) {
   openvdb::initialize();
-  openvdb::io::File file(path);
+  useOneThread();
+  openvdb::io::File file("/proc/self/fd/" + std::to_string(descriptor));
   file.setCopyMaxBytes(0);
   file.open(false);
   sendGrids(

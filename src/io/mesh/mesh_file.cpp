@@ -3,6 +3,9 @@
 #include <raymap/error.h>
 
 #include <algorithm>
+#include <array>
+#include <atomic>
+#include <bit>
 #include <cctype>
 #include <cerrno>
 #include <cfloat>
@@ -13,6 +16,8 @@
 
 #include "base/parallel.h"
 #include "base/text.h"
+#include "mesh/far_vertices.h"
+#include "mesh/single_origin.h"
 
 namespace raymap {
 
@@ -140,6 +145,17 @@ void checkMemory(const MeshFile& file, uint64_t bytes) {
   if (bytes > mostFileBytes()) failTooLarge(file.path, bytes);
 }
 
+void checkExpansion(const MeshFile& file, uint64_t bytes, uint64_t fileBytes) {
+  checkMemory(file, bytes);
+  // Hundreds of instances of most of a file, or data that are compressed to a hundredth.
+  constexpr uint64_t kMostRatio = 500, kSlack = 64 << 20;
+  if (bytes > kSlack + kMostRatio * fileBytes)
+    file.fail("its " + counted(fileBytes, "byte") + " stand for at least " + std::to_string(bytes >> 20) +
+              " MiB of vertices and triangles, as instances or compressed; of a file of this size at most " +
+              std::to_string((kSlack + kMostRatio * fileBytes) >> 20) +
+              " MiB are read; export fewer instances, or write each as a mesh of its own");
+}
+
 std::string unescapedUri(std::string_view uri) {
   std::string text;
   for (size_t i = 0; i < uri.size(); ++i) {
@@ -180,24 +196,87 @@ std::string outOfRange(int64_t vertex, uint64_t vertexCount) {
          counted(vertexCount, "vertex") + ")";
 }
 
-void warnDropped(const MeshFile& file, uint64_t polygons) {
-  if (polygons > 0) file.warnThat(counted(polygons, "face") + " with fewer than three corners dropped");
+void warnOfPolygons(const MeshFile& file, size_t dropped, size_t uncut) {
+  if (dropped > 0) file.warnThat(counted(dropped, "face") + " with fewer than three corners dropped");
+  if (uncut == 1)
+    file.warnThat("1 face crosses itself, or its corners lie on a line: its triangles may overlap");
+  else if (uncut > 1)
+    file.warnThat(counted(uncut, "face") +
+                  " cross themselves, or their corners lie on a line: their triangles may overlap");
 }
+
+namespace {
+
+/// Warns of vertices that lie far from all others.
+void warnOfFar(const MeshFile& file, const FarVertices& far, const glm::dvec3& farthest) {
+  if (far.count == 0 || !file.warn) return;
+  std::string what = counted(far.count, "vertex") + (far.count == 1 ? " lies" : " lie") +
+                     " 10^9 sizes of the mesh or more away from the others: ";
+  if (far.count > 1) what += "the farthest is ";
+  what += "vertex " + std::to_string(far.vertex) + " (used by triangle " + std::to_string(far.face) +
+          ") at (" + numberText(farthest.x) + ", " + numberText(farthest.y) + ", " + numberText(farthest.z) +
+          "), " + numberText(far.distance / far.size, 3) + " sizes away; correct it, or remove its faces";
+  file.warn({WarningCode::FarVertices,
+             file.path.string() + ": " + what,
+             {.file = file.path.string(), .count = far.count, .length = far.distance}});
+}
+
+/// Returns whether single precision about an origin holds all positions bit for bit: -0 is another one than
+/// 0.
+template <class Vec>
+bool holdsBits(const std::vector<Vec>& positions, const glm::dvec3& origin) {
+  std::atomic<bool> holds{true};
+  parallelFor(positions.size(), kCheapGrain, [&](size_t begin, size_t end) {
+    for (size_t v = begin; v < end && holds; ++v) {
+      const glm::dvec3 given(positions[v]), held = origin + glm::dvec3(roundedToSingle(given - origin));
+      using Bits = std::array<uint64_t, 3>;
+      if (std::bit_cast<Bits>(held) != std::bit_cast<Bits>(given)) holds = false;
+    }
+  });
+  return holds;
+}
+
+/// Rounds positions to single precision about an origin. Floats are moved in place, without a second array.
+std::vector<glm::vec3> roundedAbout(const glm::dvec3& origin, std::vector<glm::vec3> positions) {
+  parallelFor(positions.size(), kCheapGrain, [&](size_t begin, size_t end) {
+    for (size_t v = begin; v < end; ++v) positions[v] = roundedToSingle(glm::dvec3(positions[v]) - origin);
+  });
+  return positions;
+}
+
+std::vector<glm::vec3> roundedAbout(const glm::dvec3& origin, const std::vector<glm::dvec3>& positions) {
+  std::vector<glm::vec3> rounded(positions.size());
+  parallelFor(positions.size(), kCheapGrain, [&](size_t begin, size_t end) {
+    for (size_t v = begin; v < end; ++v) rounded[v] = roundedToSingle(positions[v] - origin);
+  });
+  return rounded;
+}
+
+/// Checks positions, and rounds them about an origin. Hands them over if that changes any.
+template <class Vec>
+Mesh finish(const MeshFile& file, std::vector<Vec> positions, std::vector<glm::uvec3> triangles,
+            const glm::dvec3* known = nullptr) {
+  const Box bounds = checkedBounds(file, positions, triangles);
+  const FarVertices far =
+      findFarVertices(bounds, std::span<const Vec>(positions), std::span<const glm::uvec3>(triangles));
+  if (far.count > 0) warnOfFar(file, far, glm::dvec3(positions[far.vertex]));
+  // Single precision keeps the others only without the far ones, which it keeps as well as any.
+  const glm::dvec3 origin = singleOrigin(
+      far.others, positions.size(), [&](size_t v) { return positions[v]; }, known, kNoiseAboutZero);
+  if (file.exact) file.exact->clear();
+  if (file.exact && !holdsBits(positions, origin)) file.exact->assign(positions.begin(), positions.end());
+  return {roundedAbout(origin, std::move(positions)), std::move(triangles), origin};
+}
+
+}  // namespace
 
 Mesh finishMesh(const MeshFile& file, std::vector<glm::vec3> positions, std::vector<glm::uvec3> triangles) {
-  Mesh mesh;
-  mesh.origin = checkedBounds(file, positions, triangles).centre();
-  parallelFor(positions.size(), kCheapGrain, [&](size_t begin, size_t end) {
-    for (size_t v = begin; v < end; ++v) positions[v] = glm::vec3(glm::dvec3(positions[v]) - mesh.origin);
-  });
-  mesh.vertices = std::move(positions);
-  mesh.triangles = std::move(triangles);
-  return mesh;
+  return finish(file, std::move(positions), std::move(triangles));
 }
 
-Mesh finishMesh(const MeshFile& file, std::vector<glm::dvec3> positions, std::vector<glm::uvec3> triangles) {
-  checkedBounds(file, positions, triangles);
-  return makeMesh(positions, std::move(triangles));
+Mesh finishMesh(const MeshFile& file, std::vector<glm::dvec3> positions, std::vector<glm::uvec3> triangles,
+                const glm::dvec3* knownOrigin) {
+  return finish(file, std::move(positions), std::move(triangles), knownOrigin);
 }
 
 }  // namespace raymap

@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "base/source_file.h"
+#include "mesh/polygons.h"
 
 namespace raymap {
 
@@ -25,6 +26,7 @@ struct MeshFile {
   WarningCallback warn;
   std::filesystem::path folder = path.parent_path();  ///< Folder of the files that the mesh file refers to.
   bool allowEmpty = false;                            ///< Whether it may have no triangles.
+  std::vector<glm::dvec3>* exact = nullptr;           ///< `ReadOptions::exact`.
 
   std::string_view text() const { return {reinterpret_cast<const char*>(bytes.data()), bytes.size()}; }
   [[noreturn]] void fail(const std::string& what) const;
@@ -38,6 +40,8 @@ Mesh readOff(const MeshFile& file);
 Mesh readObj(const MeshFile& file);
 Mesh readGltf(const MeshFile& file);
 Mesh read3mf(const MeshFile& file);
+/// Reads a glTF as its joints stand without an animation.
+Mesh readStandingGltf(const MeshFile& file);
 AnimatedMesh readAnimatedGltf(const MeshFile& file, size_t animation = 0);
 AnimatedMesh readAnimatedGltf(const MeshFile& file, const std::string& clip);
 
@@ -54,13 +58,17 @@ uint64_t regularFileSize(const SourceFile& source);
 Buffer<std::byte> loadFile(const SourceFile& source);
 
 /// Throws `Error(Memory)` if `bytes` is more than half of the machine's memory. Used for sizes that a small
-/// file can make large (instances).
+/// file can make large.
 void checkMemory(const MeshFile& file, uint64_t bytes);
+/// Throws as well, `Error(Input)`, if `bytes` is far more than `fileBytes` bytes of instances and compressed
+/// data amount to: a small file must not take minutes.
+inline constexpr uint64_t kBytesPerInstance = 1024;  ///< Least size of an instance in that sum.
+void checkExpansion(const MeshFile& file, uint64_t bytes, uint64_t fileBytes);
 
 /// Returns a URI with its escapes (%20) replaced by the bytes that they mean.
 std::string unescapedUri(std::string_view uri);
 
-/// Appends a polygon as a fan of triangles around its first corner.
+/// Appends a fan of triangles around its first corner.
 void appendFan(std::span<const uint32_t> corners, std::vector<glm::uvec3>& triangles);
 /// Appends a strip's triangles, every second one reversed. Drops degenerate triangles, which only join two
 /// strips.
@@ -70,13 +78,22 @@ void appendStrip(std::span<const uint32_t> corners, std::vector<glm::uvec3>& tri
 std::string counted(uint64_t count, std::string_view noun);
 std::string outOfRange(int64_t vertex, uint64_t vertexCount);
 
-/// Warns of polygons with fewer than three corners, if there are any.
-void warnDropped(const MeshFile& file, uint64_t polygons);
-
 /// Checks that there is a triangle, unless the file may be empty, and that all used vertices are finite. Then
-/// centres the mesh on its bounds, in double precision. Single-precision positions are moved in place,
-/// without a second array.
+/// rounds positions to single precision about an origin (`singleOrigin`), and fills `MeshFile::exact`. Warns
+/// of vertices that lie far from all others. Single-precision positions are moved in place.
 Mesh finishMesh(const MeshFile& file, std::vector<glm::vec3> positions, std::vector<glm::uvec3> triangles);
-Mesh finishMesh(const MeshFile& file, std::vector<glm::dvec3> positions, std::vector<glm::uvec3> triangles);
+/// `knownOrigin` is one that may keep all positions.
+Mesh finishMesh(const MeshFile& file, std::vector<glm::dvec3> positions, std::vector<glm::uvec3> triangles,
+                const glm::dvec3* knownOrigin = nullptr);
+
+/// Warns of polygons that were dropped, or that could not be cut, if there are any.
+void warnOfPolygons(const MeshFile& file, size_t dropped, size_t uncut);
+/// Warns of polygons with fewer than three corners, and of those that cannot be cut, then finishes their
+/// mesh. All vertices must exist.
+template <class Vec>
+Mesh finishPolygons(const MeshFile& file, std::vector<Vec> positions, Polygons polygons) {
+  warnOfPolygons(file, polygons.dropped(), polygons.cut(positions));
+  return finishMesh(file, std::move(positions), std::move(polygons.triangles));
+}
 
 }  // namespace raymap

@@ -4,13 +4,13 @@
 
 namespace raymap {
 
-Mesh rounded(const PackedMesh& mesh, Precision precision) {
+Mesh rounded(const WritableMesh& mesh, Precision precision) {
   std::vector<glm::uvec3> triangles(mesh.triangles.begin(), mesh.triangles.end());
   const auto count = static_cast<uint32_t>(mesh.vertices.size());
   if (precision == Precision::Double) {
     std::vector<glm::dvec3> positions;
     positions.reserve(count);
-    for (uint32_t v = 0; v < count; ++v) positions.push_back(mesh.position(v));
+    for (uint32_t v = 0; v < count; ++v) positions.push_back(mesh.exactPosition(v));
     return makeMesh(positions, std::move(triangles));
   }
   if (precision == Precision::Origin)

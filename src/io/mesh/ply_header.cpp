@@ -4,6 +4,7 @@
 #include <array>
 #include <utility>
 
+#include "base/text.h"
 #include "io/mesh/text_scanner.h"
 
 namespace raymap {
@@ -11,26 +12,17 @@ namespace raymap {
 namespace {
 
 PlyType readType(TextScanner& text) {
-  static constexpr std::array<std::pair<std::string_view, PlyType>, 16> kTypes{
-      {{"char", PlyType::Int8},
-       {"int8", PlyType::Int8},
-       {"uchar", PlyType::UInt8},
-       {"uint8", PlyType::UInt8},
-       {"short", PlyType::Int16},
-       {"int16", PlyType::Int16},
-       {"ushort", PlyType::UInt16},
-       {"uint16", PlyType::UInt16},
-       {"int", PlyType::Int32},
-       {"int32", PlyType::Int32},
-       {"uint", PlyType::UInt32},
-       {"uint32", PlyType::UInt32},
-       {"float", PlyType::Float},
-       {"float32", PlyType::Float},
-       {"double", PlyType::Double},
-       {"float64", PlyType::Double}}};
+  static constexpr std::array<std::pair<std::string_view, PlyType>, 20> kTypes{
+      {{"char", PlyType::Int8},     {"int8", PlyType::Int8},     {"uchar", PlyType::UInt8},
+       {"uint8", PlyType::UInt8},   {"short", PlyType::Int16},   {"int16", PlyType::Int16},
+       {"ushort", PlyType::UInt16}, {"uint16", PlyType::UInt16}, {"int", PlyType::Int32},
+       {"int32", PlyType::Int32},   {"uint", PlyType::UInt32},   {"uint32", PlyType::UInt32},
+       {"long", PlyType::Int64},    {"int64", PlyType::Int64},   {"ulong", PlyType::UInt64},
+       {"uint64", PlyType::UInt64}, {"float", PlyType::Float},   {"float32", PlyType::Float},
+       {"double", PlyType::Double}, {"float64", PlyType::Double}}};
   const std::string_view word = text.moreOnLine() ? text.word() : std::string_view();
   const auto* type = std::ranges::find(kTypes, word, &std::pair<std::string_view, PlyType>::first);
-  if (type == kTypes.end()) text.fail("expected the type of a property, found '" + std::string(word) + "'");
+  if (type == kTypes.end()) text.fail("expected the type of a property, found " + excerpt(word));
   return type->second;
 }
 
@@ -39,14 +31,15 @@ PlyFormat readFormat(TextScanner& text) {
   if (word == "ascii") return PlyFormat::Text;
   if (word == "binary_little_endian") return PlyFormat::LittleEndian;
   if (word == "binary_big_endian") return PlyFormat::BigEndian;
-  text.fail("unknown PLY format '" + std::string(word) + "'");
+  text.fail("unknown PLY format " + excerpt(word));
 }
 
 PlyElement readElement(TextScanner& text) {
   PlyElement element;
   element.name = text.word();
   const int64_t count = text.integer();
-  if (count < 0) text.fail("element " + element.name + " has a negative count: " + std::to_string(count));
+  if (count < 0)
+    text.fail("element " + shortText(element.name) + " has a negative count: " + std::to_string(count));
   element.count = static_cast<uint64_t>(count);
   return element;
 }
@@ -83,11 +76,11 @@ void checkCounts(const MeshFile& file, const PlyHeader& header) {
   for (const PlyElement& element : header.elements) {
     const uint64_t row = smallestRow(element, header.format);
     if (row > 0 && element.count > room / row)
-      file.fail("the header announces " + counted(element.count, element.name) + " of at least " +
+      file.fail("the header announces " + counted(element.count, shortText(element.name)) + " of at least " +
                 counted(row, "byte") + ", but only " + counted(room - 1, "byte") +
                 " follow it: the file is cut short, or the count is wrong");
     if (std::ranges::count(header.elements, element.name, &PlyElement::name) > 1)
-      file.fail("two elements are called '" + element.name + "'");
+      file.fail("two elements are called " + excerpt(element.name));
   }
 }
 
@@ -105,6 +98,8 @@ size_t plyTypeBytes(PlyType type) {
     case PlyType::UInt32:
     case PlyType::Float:
       return 4;
+    case PlyType::Int64:
+    case PlyType::UInt64:
     case PlyType::Double:
       break;
   }
@@ -114,6 +109,11 @@ size_t plyTypeBytes(PlyType type) {
 int PlyElement::find(std::string_view property) const {
   const auto found = std::ranges::find(properties, property, &PlyProperty::name);
   return found == properties.end() ? -1 : static_cast<int>(found - properties.begin());
+}
+
+int PlyElement::findCoordinate(int axis) const {
+  const int small = find(std::string_view("xyz").substr(static_cast<size_t>(axis), 1));
+  return small >= 0 ? small : find(std::string_view("XYZ").substr(static_cast<size_t>(axis), 1));
 }
 
 const PlyElement* PlyHeader::find(std::string_view element) const {
@@ -144,8 +144,7 @@ PlyHeader readPlyHeader(const MeshFile& file) {
     } else if (keyword.empty()) {
       text.fail("the file ends within its header");
     } else if (keyword != "comment" && keyword != "obj_info") {
-      text.fail("expected element, property or end_header, found '" + std::string(keyword.substr(0, 40)) +
-                "'");
+      text.fail("expected element, property or end_header, found " + excerpt(keyword));
     }
   }
   if (!hasFormat) text.fail("the header has no format line");

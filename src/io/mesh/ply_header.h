@@ -9,7 +9,7 @@
 namespace raymap {
 
 enum class PlyFormat { Text, LittleEndian, BigEndian };
-enum class PlyType { Int8, UInt8, Int16, UInt16, Int32, UInt32, Float, Double };
+enum class PlyType { Int8, UInt8, Int16, UInt16, Int32, UInt32, Int64, UInt64, Float, Double };
 
 size_t plyTypeBytes(PlyType type);
 
@@ -27,6 +27,8 @@ struct PlyElement {
 
   /// Returns the index of a property, or -1.
   int find(std::string_view property) const;
+  /// Returns the index of a coordinate, 0 to 2, or -1. Its name is x, y or z, or a capital.
+  int findCoordinate(int axis) const;
 };
 
 struct PlyHeader {

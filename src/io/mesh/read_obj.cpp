@@ -18,8 +18,7 @@ class ObjReader {
     if (largest_ >= static_cast<int64_t>(positions_.size()))
       text_.failAt(largestAt_, outOfRange(largest_ + 1, positions_.size()));
     if (freeForm_) file_.warnThat("free-form curves and surfaces are not read");
-    warnDropped(file_, dropped_);
-    return finishMesh(file_, std::move(positions_), std::move(triangles_));
+    return finishPolygons(file_, std::move(positions_), std::move(polygons_));
   }
 
  private:
@@ -48,8 +47,7 @@ class ObjReader {
   void readFace() {
     corners_.clear();
     while (text_.moreOnLine()) corners_.push_back(readCorner());
-    if (corners_.size() < 3) ++dropped_;
-    appendFan(corners_, triangles_);
+    polygons_.add(corners_);
   }
 
   /// Reads `v`, `v/vt`, `v//vn` or `v/vt/vn`. Indices count from 1, or backwards from -1, the latest vertex.
@@ -72,11 +70,10 @@ class ObjReader {
   const MeshFile& file_;
   TextScanner text_;
   std::vector<glm::dvec3> positions_;
-  std::vector<glm::uvec3> triangles_;
+  Polygons polygons_;
   std::vector<uint32_t> corners_;
   int64_t largest_ = -1;
   size_t largestAt_ = 0;
-  uint64_t dropped_ = 0;
   bool freeForm_ = false;
 };
 

@@ -10,6 +10,7 @@
 #include <cstring>
 #include <memory>
 
+#include "base/text.h"
 #include "io/mesh/mesh_file.h"
 #include "io/mesh/ply_header.h"
 #include "io/mesh/text_scanner.h"
@@ -51,8 +52,8 @@ class TextSource {
     }
     const std::string_view row = file_.text().substr(row_, text_.position() - row_);
     if (row.find_first_of("\r\n") != row.npos)
-      text_.failAt(row_, "the line has fewer values than the header declares for '" + element.name +
-                             "', and the row does not end with a later line either");
+      text_.failAt(row_, "the line has fewer values than the header declares for " + excerpt(element.name) +
+                             ", and the row does not end with a later line either");
     size_t values = 0;
     for (; text_.moreOnLine(); ++values) text_.word();
     if (cutRows_ == 1) cutValues_ = values;
@@ -64,7 +65,7 @@ class TextSource {
   void warnCutRows() const {
     if (cutValues_ == 0) return;
     file_.warnThat("line " + std::to_string(text_.lineAt(cutAt_)) + ": " + counted(cutValues_, "value") +
-                   " more than the header declares for '" + cutElement_ + "' ignored" +
+                   " more than the header declares for " + excerpt(cutElement_) + " ignored" +
                    (cutRows_ > 1 ? ", as on " + counted(cutRows_ - 1, "later line") : ""));
   }
 
@@ -92,6 +93,8 @@ class BinarySource {
         return std::bit_cast<float>(load<uint32_t>());
       case PlyType::Double:
         return std::bit_cast<double>(load<uint64_t>());
+      case PlyType::UInt64:
+        return static_cast<double>(load<uint64_t>());
       default:
         return static_cast<double>(integer(type));
     }
@@ -111,6 +114,10 @@ class BinarySource {
         return static_cast<int32_t>(load<uint32_t>());
       case PlyType::UInt32:
         return load<uint32_t>();
+      case PlyType::Int64:
+        return static_cast<int64_t>(load<uint64_t>());
+      case PlyType::UInt64:
+        return signedOf(load<uint64_t>());
       default:
         return wholeNumber(real(type));
     }
@@ -139,6 +146,11 @@ class BinarySource {
     T result = 0;
     for (size_t i = 0; i < sizeof(T); ++i) result = static_cast<T>(result << 8 | (value >> 8 * i & 0xff));
     return result;
+  }
+
+  /// Returns -1 for the largest number, which ends a strip. Others that are too large stay so.
+  static int64_t signedOf(uint64_t value) {
+    return value == UINT64_MAX ? -1 : static_cast<int64_t>(std::min(value, uint64_t{INT64_MAX}));
   }
 
   int64_t wholeNumber(double value) const {
@@ -176,10 +188,7 @@ class PlyReader {
   }
   Source& source() { return source_; }
 
-  Mesh finish() {
-    warnDropped(file_, dropped_);
-    return finishMesh(file_, std::move(positions_), std::move(triangles_));
-  }
+  Mesh finish() { return finishPolygons(file_, std::move(positions_), std::move(polygons_)); }
   std::vector<Vec> takePositions() { return std::move(positions_); }
 
  private:
@@ -207,7 +216,7 @@ class PlyReader {
     // Coordinate that each property sets; 3 for none.
     std::vector<int> target(element.properties.size(), 3);
     for (int c = 0; c < 3; ++c) {
-      const int place = element.find(std::string_view("xyz").substr(static_cast<size_t>(c), 1));
+      const int place = element.findCoordinate(c);
       if (place < 0 || element.properties[static_cast<size_t>(place)].isList)
         file_.fail(std::string("the vertices have no property ") + "xyz"[c]);
       target[static_cast<size_t>(place)] = c;
@@ -230,9 +239,9 @@ class PlyReader {
     int list = element.find("vertex_indices");
     if (list < 0) list = element.find("vertex_index");
     if (list < 0 || !element.properties[static_cast<size_t>(list)].isList)
-      file_.fail("element '" + element.name + "' has no list 'vertex_indices'");
+      file_.fail("element " + excerpt(element.name) + " has no list 'vertex_indices'");
     const bool areStrips = element.name == "tristrips";
-    if (!areStrips) triangles_.reserve(element.count);
+    if (!areStrips) polygons_.reserve(element.count);
     forEachRow(element, [&](uint64_t row) {
       for (size_t i = 0; i < element.properties.size(); ++i) {
         if (static_cast<int>(i) != list)
@@ -253,8 +262,7 @@ class PlyReader {
       checkIndex(vertex, "face ", row);
       corners_.push_back(static_cast<uint32_t>(vertex));
     }
-    if (count < 3) ++dropped_;
-    appendFan(corners_, triangles_);
+    polygons_.add(corners_);
   }
 
   /// Reads a list of strips, each ended by -1 (2^32 - 1 in an unsigned type).
@@ -264,14 +272,14 @@ class PlyReader {
     for (uint64_t i = 0; i < count; ++i) {
       const int64_t vertex = source_.integer(list.type);
       if (vertex == -1 || (list.type == PlyType::UInt32 && vertex == int64_t{UINT32_MAX})) {
-        appendStrip(corners_, triangles_);
+        appendStrip(corners_, polygons_.triangles);
         corners_.clear();
         continue;
       }
       checkIndex(vertex, "triangle strip ", row);
       corners_.push_back(static_cast<uint32_t>(vertex));
     }
-    appendStrip(corners_, triangles_);
+    appendStrip(corners_, polygons_.triangles);
   }
 
   void checkIndex(int64_t vertex, std::string_view what, uint64_t row) const {
@@ -283,7 +291,7 @@ class PlyReader {
   uint64_t readCount(const PlyProperty& list) {
     const int64_t count = source_.integer(list.countType);
     if (count < 0 || static_cast<uint64_t>(count) > file_.bytes.size())
-      file_.fail("a list '" + list.name + "' announces " + std::to_string(count) +
+      file_.fail("a list " + excerpt(list.name) + " announces " + std::to_string(count) +
                  " values, but the file has " + counted(file_.bytes.size(), "byte"));
     return static_cast<uint64_t>(count);
   }
@@ -297,9 +305,8 @@ class PlyReader {
   PlyContent content_;
   Source source_;
   std::vector<Vec> positions_;
-  std::vector<glm::uvec3> triangles_;
+  Polygons polygons_;
   std::vector<uint32_t> corners_;
-  uint64_t dropped_ = 0;
 };
 
 /// Returns whether single precision holds the positions of the binary file exactly.
@@ -307,7 +314,8 @@ bool fitsFloat(const PlyHeader& header) {
   const PlyElement* vertex = header.find("vertex");
   return vertex && std::ranges::none_of(vertex->properties, [](const PlyProperty& property) {
            return property.type == PlyType::Double || property.type == PlyType::Int32 ||
-                  property.type == PlyType::UInt32;
+                  property.type == PlyType::UInt32 || property.type == PlyType::Int64 ||
+                  property.type == PlyType::UInt64;
          });
 }
 

@@ -2,70 +2,46 @@
 // `solid`.
 
 #include <algorithm>
-#include <cctype>
-#include <cstring>
 
-#include "io/mesh/mesh_file.h"
+#include "io/mesh/stl_facets.h"
+#include "io/mesh/stl_words.h"
 #include "io/mesh/text_scanner.h"
 
 namespace raymap {
 
 namespace {
 
-constexpr size_t kHeaderBytes = 80;
-constexpr size_t kFacetsAt = kHeaderBytes + sizeof(uint32_t);
-constexpr size_t kFacetBytes = 50;
-
-uint32_t announcedFacets(const MeshFile& file) {
-  uint32_t count = 0;
-  std::memcpy(&count, file.bytes.data() + kHeaderBytes, sizeof count);
-  return count;
-}
-
-bool equalsIgnoringCase(std::string_view word, std::string_view lower) {
-  return std::ranges::equal(word, lower, [](char a, char b) {
-    return std::tolower(static_cast<unsigned char>(a)) == static_cast<unsigned char>(b);
-  });
-}
-
-/// Returns whether the first word is `solid` and the next line that is not empty, if any, begins with `facet`
-/// or `endsolid`.
+/// Returns whether the first word is `solid` or `facet`, and the next line that is not empty, if any, begins
+/// with another statement.
 bool looksLikeText(const MeshFile& file) {
   TextScanner text(file);
-  if (!equalsIgnoringCase(text.word(), "solid")) return false;
+  const StlWord first = readStlWord(text);
+  if (first != StlWord::Solid && first != StlWord::Facet) return false;
   text.nextLine();
-  const std::string_view word = text.word();
-  return word.empty() || equalsIgnoringCase(word, "facet") || equalsIgnoringCase(word, "endsolid");
+  return text.more() && readStlWord(text) != StlWord::Other;
 }
 
-bool isBinary(const MeshFile& file) {
-  const size_t size = file.bytes.size();
-  if (size >= kFacetsAt && size == kFacetsAt + kFacetBytes * size_t{announcedFacets(file)}) return true;
-  return size >= kFacetsAt && !looksLikeText(file);
+/// Returns whether no byte near the beginning is a control character that text has not.
+bool isPrintable(const MeshFile& file) {
+  constexpr size_t kLookedAt = 1024;
+  return std::ranges::none_of(file.text().substr(0, kLookedAt), [](char c) {
+    return static_cast<unsigned char>(c) < ' ' && std::string_view("\t\n\v\f\r").find(c) == std::string::npos;
+  });
 }
 
 /// Reads facets, each with three vertices of its own. The vertices stay separate, because no later step needs
 /// them joined.
-Mesh readBinary(const MeshFile& file) {
-  const uint64_t announced = announcedFacets(file);
-  const uint64_t room = (file.bytes.size() - kFacetsAt) / kFacetBytes;
-  if (announced > room)
-    file.fail("the file announces " + counted(announced, "triangle") + ", but holds only " +
-              std::to_string(room) + " (it is cut short, or not an STL file)");
-  if (const uint64_t rest = file.bytes.size() - kFacetsAt - announced * kFacetBytes; rest > 0)
-    file.warnThat(counted(rest, "byte") + " after the last triangle ignored");
-  if (announced > UINT32_MAX / 3) file.fail("more triangles than 2^32 / 3");
-
+Mesh readBinary(const MeshFile& file, const StlFacets& facets) {
+  if (facets.count() > UINT32_MAX / 3) file.fail("more triangles than 2^32 / 3");
   std::vector<glm::vec3> positions;
   std::vector<glm::uvec3> triangles;
-  positions.reserve(announced * 3);
-  triangles.reserve(announced);
-  for (uint32_t t = 0; t < announced; ++t) {
-    float facet[12];  // The normal, then three corners; two bytes of attributes follow.
-    std::memcpy(facet, file.bytes.data() + kFacetsAt + t * kFacetBytes, sizeof facet);
-    for (int c = 3; c < 12; c += 3) positions.emplace_back(facet[c], facet[c + 1], facet[c + 2]);
-    triangles.emplace_back(3 * t, 3 * t + 1, 3 * t + 2);
-  }
+  positions.reserve(facets.count() * 3);
+  triangles.reserve(facets.count());
+  facets.forEach([&](const StlFacet& facet) {
+    const auto first = static_cast<uint32_t>(positions.size());
+    positions.insert(positions.end(), facet.corners.begin(), facet.corners.end());
+    triangles.emplace_back(first, first + 1, first + 2);
+  });
   return finishMesh(file, std::move(positions), std::move(triangles));
 }
 
@@ -74,32 +50,63 @@ class StlTextReader {
   explicit StlTextReader(const MeshFile& file) : file_(file), text_(file) {}
 
   Mesh read() {
-    for (std::string_view word = text_.word(); !word.empty(); word = text_.word()) readStatement(word);
+    while (text_.more()) readStatement();
     if (!corners_.empty()) text_.fail("the file ends within a facet");
     if (open_) file_.warnThat("the file ends without endsolid: it may have been cut short");
-    warnDropped(file_, dropped_);
-    return finishMesh(file_, std::move(positions_), std::move(triangles_));
+    return finishPolygons(file_, std::move(positions_), std::move(polygons_));
   }
 
  private:
-  /// Reads a statement. Skips the rest of a line that begins or ends something: it holds names and remarks.
-  void readStatement(std::string_view word) {
-    const auto is = [&](std::string_view keyword) { return equalsIgnoringCase(word, keyword); };
-    if (is("vertex")) {
-      readVertex();
-    } else if (is("endloop") || is("endfacet")) {
-      endLoop(is("endloop"));
-      text_.restOfLine();
-    } else if (is("solid") || is("endsolid")) {
-      open_ = is("solid");
-      if (!corners_.empty()) text_.fail("a solid begins or ends within a facet");
-      text_.restOfLine();
-    } else if (is("facet") || is("outer")) {
-      if (!corners_.empty()) text_.fail("a facet begins within a facet");
-      text_.restOfLine();
-    } else {
-      text_.fail("expected facet, vertex or the like, found '" + std::string(word.substr(0, 40)) + "'");
+  void readStatement() {
+    const TextScanner begin = text_;
+    switch (readStlWord(text_)) {
+      case StlWord::Solid:
+        return beginOrEnd(true);
+      case StlWord::EndSolid:
+        return beginOrEnd(false);
+      case StlWord::Facet:
+        open_ = true;
+        [[fallthrough]];
+      case StlWord::Outer:
+        mayName_ = false;
+        if (!corners_.empty()) text_.fail("a facet begins within a facet");
+        return skipRemark();
+      case StlWord::Vertex:
+        return readVertex();
+      case StlWord::EndLoop:
+        polygons_.add(corners_);
+        corners_.clear();
+        return skipRemark();
+      case StlWord::EndFacet:
+        if (!corners_.empty()) polygons_.add(corners_);
+        corners_.clear();
+        return skipRemark();
+      case StlWord::Color:
+        return skipRemark();
+      case StlWord::Other:
+        break;
     }
+    if (!mayName_) begin.failWord("facet, vertex or the like");
+    text_.restOfLine();
+  }
+
+  /// Skips the rest of the line, which names the solid, up to a facet.
+  void beginOrEnd(bool begins) {
+    open_ = begins;
+    mayName_ = true;
+    if (!corners_.empty()) text_.fail("a solid begins or ends within a facet");
+    for (; text_.moreOnLine(); text_.skipRestOfWord())
+      if (TextScanner ahead = text_; readStlWord(ahead) == StlWord::Facet && isNormal(ahead)) return;
+  }
+
+  static bool isNormal(TextScanner& text) {
+    return text.moreOnLine() && equalsIgnoringCase(text.word(), "normal");
+  }
+
+  /// Skips the words up to the next statement on this line, such as a normal.
+  void skipRemark() {
+    for (; text_.moreOnLine(); text_.skipRestOfWord())
+      if (TextScanner ahead = text_; readStlWord(ahead) != StlWord::Other) return;
   }
 
   void readVertex() {
@@ -107,27 +114,27 @@ class StlTextReader {
     glm::dvec3 p;
     for (int c = 0; c < 3; ++c) p[c] = text_.real();
     positions_.push_back(p);
-  }
-
-  void endLoop(bool isLoop) {
-    if (isLoop && corners_.size() < 3) ++dropped_;
-    appendFan(corners_, triangles_);
-    corners_.clear();
+    skipRemark();
   }
 
   const MeshFile& file_;
   TextScanner text_;
   std::vector<glm::dvec3> positions_;
-  std::vector<glm::uvec3> triangles_;
+  Polygons polygons_;
   std::vector<uint32_t> corners_;
-  uint64_t dropped_ = 0;
   bool open_ = false;
+  bool mayName_ = false;  // Whether a line may be a solid's name.
 };
 
 }  // namespace
 
 Mesh readStl(const MeshFile& file) {
-  return isBinary(file) ? readBinary(file) : StlTextReader(file).read();
+  StlFacets facets(file);
+  if (!facets.fits()) {
+    if (isPrintable(file) || looksLikeText(file)) return StlTextReader(file).read();
+    facets.guess();
+  }
+  return readBinary(file, facets);
 }
 
 }  // namespace raymap

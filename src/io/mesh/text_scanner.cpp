@@ -4,6 +4,8 @@
 #include <charconv>
 #include <cmath>
 
+#include "base/text.h"
+
 namespace raymap {
 
 namespace {
@@ -25,27 +27,38 @@ double outOfRangeValue(std::string_view word) {
   return small ? 0.0 : word.starts_with('-') ? -INFINITY : INFINITY;
 }
 
-/// Returns a word for a message, short and printable.
-std::string shown(std::string_view word) {
-  constexpr size_t kLongest = 40;
-  std::string text(word.substr(0, kLongest));
-  for (char& c : text)
-    if (c < ' ' || c > '~') c = '?';
-  return "'" + text + (word.size() > kLongest ? "...'" : "'");
-}
-
 }  // namespace
 
 TextScanner::TextScanner(const MeshFile& file, size_t start)
-    : file_(file), begin_(file.text().data()), at_(begin_ + start), end_(begin_ + file.text().size()) {}
+    : file_(file), begin_(file.text().data()), at_(begin_ + start), end_(begin_ + file.text().size()) {
+  if (start > 0) return;
+  constexpr std::string_view kUtf8 = "\xef\xbb\xbf", kUtf16 = "\xff\xfe", kUtf16Big = "\xfe\xff";
+  if (file.text().starts_with(kUtf8)) at_ += kUtf8.size();
+  // Without a mark, every second byte of its first letters is 0.
+  const std::string_view begin = file.text().substr(0, 4);
+  const auto isZero = [&](size_t at) { return begin[at] == '\0'; };
+  const bool isWide =
+      begin.size() == 4 && isZero(0) == isZero(2) && isZero(1) == isZero(3) && isZero(0) != isZero(1);
+  if (isWide || begin.starts_with(kUtf16) || begin.starts_with(kUtf16Big))
+    file.fail("it is text in UTF-16; save it as UTF-8");
+}
+
+/// Returns where the next line begins if a backslash at `at` continues the line, else null.
+const char* TextScanner::afterContinuation(const char* at) const {
+  if (at == end_ || *at != '\\') return nullptr;
+  at = std::find_if_not(at + 1, end_, isBlank);
+  if (at == end_) return at;
+  if (!isNewline(*at)) return nullptr;
+  return at + (*at == '\r' && at + 1 != end_ && at[1] == '\n' ? 2 : 1);
+}
 
 bool TextScanner::moreOnLine() {
-  for (;; ++at_) {
+  for (;;) {
     while (at_ != end_ && isBlank(*at_)) ++at_;
     if (at_ == end_ || isNewline(*at_) || *at_ == '#') return false;
-    if (*at_ != '\\' || at_ + 1 == end_ || !isNewline(at_[1])) return true;
-    ++at_;  // Now at the line's end, which the loop skips.
-    if (*at_ == '\r' && at_ + 1 != end_ && at_[1] == '\n') ++at_;
+    const char* next = afterContinuation(at_);
+    if (!next) return true;
+    at_ = next;
   }
 }
 
@@ -71,7 +84,8 @@ std::string_view TextScanner::restOfLine() {
 }
 
 const char* TextScanner::wordEnd(const char* start) const {
-  return std::find_if(start, end_, isSpace);
+  while (start != end_ && !isSpace(*start) && !afterContinuation(start)) ++start;
+  return start;
 }
 
 std::string_view TextScanner::word() {
@@ -86,7 +100,7 @@ double TextScanner::real() {
   const char* start = at_ + (*at_ == '+' ? 1 : 0);
   double value = 0.0;
   const auto [stop, error] = std::from_chars(start, end_, value);
-  if (error == std::errc::invalid_argument || (stop != end_ && !isSpace(*stop))) failWord(at_, "a number");
+  if (error == std::errc::invalid_argument || stop != wordEnd(stop)) failWord(at_, "a number");
   if (error == std::errc::result_out_of_range)
     value = outOfRangeValue({at_, static_cast<size_t>(stop - at_)});
   at_ = stop;
@@ -106,13 +120,14 @@ int64_t TextScanner::integer() {
   if (!more()) fail("the file ends where a whole number should be");
   const char* start = at_;
   const int64_t value = integerPrefix();
-  if (at_ != end_ && !isSpace(*at_)) failWord(start, "a whole number");
+  if (at_ != wordEnd(at_)) failWord(start, "a whole number");
   return value;
 }
 
 void TextScanner::failWord(const char* start, const char* expected) const {
   const std::string_view word(start, static_cast<size_t>(wordEnd(start) - start));
-  failAt(static_cast<size_t>(start - begin_), std::string("expected ") + expected + ", found " + shown(word));
+  failAt(static_cast<size_t>(start - begin_),
+         std::string("expected ") + expected + ", found " + excerpt(word));
 }
 
 void TextScanner::fail(const std::string& what) const {

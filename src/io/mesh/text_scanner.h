@@ -8,13 +8,15 @@
 
 namespace raymap {
 
-/// A cursor over a text mesh file. Lines may end in LF, CR LF or CR; `#` starts a comment.
+/// A cursor over a text mesh file. Lines may end in LF, CR LF or CR; `#` starts a comment. A backslash with
+/// nothing but blanks behind it continues a line.
 class TextScanner {
  public:
+  /// Begins at a position, or behind a byte order mark. Throws `Error(Input)` for text in UTF-16.
   explicit TextScanner(const MeshFile& file, size_t start = 0);
 
-  /// Moves to the next non-blank character on this line. Returns false at the line's end or at a comment. A
-  /// backslash at the end of a line continues it.
+  /// Moves to the next non-blank character on this line. Returns false at the line's end or at a
+  /// comment.
   bool moreOnLine();
   /// Moves to the next non-blank character on this or a later line. Returns false at the end of the file.
   bool more();
@@ -33,6 +35,8 @@ class TextScanner {
   void skipRestOfWord() { at_ = wordEnd(at_); }
 
   [[noreturn]] void fail(const std::string& what) const;
+  /// Fails because of the word at the cursor.
+  [[noreturn]] void failWord(const char* expected) const { failWord(at_, expected); }
   /// Fails with the line of an earlier `position()`.
   [[noreturn]] void failAt(size_t position, const std::string& what) const;
   size_t position() const { return static_cast<size_t>(at_ - begin_); }
@@ -42,6 +46,7 @@ class TextScanner {
  private:
   [[noreturn]] void failWord(const char* start, const char* expected) const;
   const char* wordEnd(const char* start) const;
+  const char* afterContinuation(const char* at) const;
 
   const MeshFile& file_;
   const char* begin_;

@@ -61,7 +61,7 @@ void writeNumbers(std::ostream& out, const std::array<uint32_t, 2>& numbers) {
 
 }  // namespace
 
-void writeGlb(std::ostream& out, const PackedMesh& mesh, const glm::dvec3& offset) {
+void writeGlb(std::ostream& out, const WritableMesh& mesh, const glm::dvec3& offset) {
   constexpr uint32_t kMagic = 0x46546c67, kVersion = 2, kJson = 0x4e4f534a, kBinary = 0x004e4942;
   constexpr size_t kHeader = 12, kChunkHeader = 8;
   const size_t vertexBytes = mesh.vertices.size() * sizeof(glm::vec3);

@@ -24,9 +24,9 @@ void writeLine(std::ostream& out, char keyword, const glm::vec<3, T>& numbers) {
 
 }  // namespace
 
-void writeObj(std::ostream& out, const PackedMesh& mesh, const glm::dvec3& offset) {
+void writeObj(std::ostream& out, const WritableMesh& mesh, const glm::dvec3& offset) {
   if (const std::string note = offsetNote(offset); !note.empty()) out << "# " << note << "\n";
-  for (uint32_t v = 0; v < mesh.vertices.size(); ++v) writeLine(out, 'v', mesh.position(v));
+  for (uint32_t v = 0; v < mesh.vertices.size(); ++v) writeLine(out, 'v', mesh.exactPosition(v));
   for (const glm::uvec3& face : mesh.triangles) writeLine(out, 'f', glm::u64vec3(face) + glm::uint64_t{1});
 }
 

@@ -4,8 +4,8 @@
 
 namespace raymap {
 
-void writePly(std::ostream& out, const PackedMesh& mesh, const glm::dvec3& offset) {
-  // Double precision, because a vertex is a float relative to a double-precision origin.
+void writePly(std::ostream& out, const WritableMesh& mesh, const glm::dvec3& offset) {
+  // Double precision holds every position: of a view, or a float relative to a double-precision origin.
   out << "ply\nformat binary_little_endian 1.0\n";
   if (const std::string note = offsetNote(offset); !note.empty()) out << "comment " << note << "\n";
   out << "element vertex " << mesh.vertices.size()
@@ -13,7 +13,7 @@ void writePly(std::ostream& out, const PackedMesh& mesh, const glm::dvec3& offse
       << "\nproperty list uchar int vertex_indices\nend_header\n";
   for (uint32_t v = 0; v < mesh.vertices.size(); ++v) {
     char bytes[sizeof(glm::dvec3)];
-    append(bytes, mesh.position(v));
+    append(bytes, mesh.exactPosition(v));
     out.write(bytes, sizeof(bytes));
   }
   for (const glm::uvec3& face : mesh.triangles) {

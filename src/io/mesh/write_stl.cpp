@@ -7,7 +7,7 @@
 
 namespace raymap {
 
-void writeStl(std::ostream& out, const PackedMesh& mesh, const glm::dvec3& offset) {
+void writeStl(std::ostream& out, const WritableMesh& mesh, const glm::dvec3& offset) {
   constexpr size_t kHeaderBytes = 80, kFacetBytes = 50;
   if (mesh.triangles.size() > UINT32_MAX)
     throw Error(ErrorCode::Unsupported, "an STL holds 2^32 triangles at most; write a .ply");

@@ -6,6 +6,7 @@
 #include <charconv>
 #include <optional>
 
+#include "base/text.h"
 #include "io/points/point_formats.h"
 
 namespace raymap {
@@ -87,13 +88,11 @@ std::optional<double> numberIn(std::string_view text) {
   return value;
 }
 
-constexpr size_t kLongestShown = 60;
-
 std::string listOf(const Fields& fields) {
   std::string text;
   for (const std::string_view field : fields)
-    text.append(text.empty() ? "'" : ", '").append(field.substr(0, kLongestShown)).append("'");
-  return text.size() > kLongestShown ? text.substr(0, kLongestShown) + "..." : text;
+    text.append(text.empty() ? "'" : ", '").append(field).append("'");
+  return shortText(text);
 }
 
 class TextReader {
@@ -151,8 +150,8 @@ class TextReader {
       const std::string_view field = fields_[columns[size_t(c)]];
       const std::optional<double> value = numberIn(field);
       if (!value)
-        fail(std::string(1, "xyz"[c]) + " is '" + std::string(field.substr(0, kLongestShown)) +
-             "', which is not a number" + (field.empty() ? "; write nan for a point that is not known" : ""));
+        fail(std::string(1, "xyz"[c]) + " is " + excerpt(field) + ", which is not a number" +
+             (field.empty() ? "; write nan for a point that is not known" : ""));
       point[c] = *value;
     }
     return point;

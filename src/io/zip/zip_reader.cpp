@@ -9,6 +9,8 @@
 #include <new>
 #include <utility>
 
+#include "base/text.h"
+
 namespace raymap {
 
 namespace {
@@ -19,12 +21,12 @@ namespace {
 }
 
 std::string part(const std::string& name) {
-  return "its part '" + name + "' ";
+  return "its part " + excerpt(name, kLongestName) + " ";
 }
 
 [[noreturn]] void failContent(const std::filesystem::path& path, const std::string& name, int code) {
   if (code == ZIP_ER_MEMORY) throw std::bad_alloc();
-  if (code == ZIP_ER_CRC) fail(path, "the checksum of its part '" + name + "' is wrong");
+  if (code == ZIP_ER_CRC) fail(path, "the checksum of its part " + excerpt(name, kLongestName) + " is wrong");
   fail(path, part(name) + "is damaged or ends early");
 }
 

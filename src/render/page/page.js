@@ -246,9 +246,9 @@ class Viewer {
       stops: stops.map(([at, ...colour]) => [...colour, at]), colours: settings.colours === 0 ? 0 : colours.isOnSurface ? 2 : 1 }))
       this.set(name, value);
     gl.bindFramebuffer(gl.FRAMEBUFFER, this.target);
-    gl.viewport(0, 0, width, height);
+    gl.viewport(0, 0, width + 1, height + 1);  // One pixel more, which `show` reads where it enlarges the picture.
     gl.enable(gl.SCISSOR_TEST);
-    gl.scissor(0, first, width, last - first);
+    gl.scissor(0, first, width + 1, last - first);
     gl.drawArrays(gl.TRIANGLES, 0, 3);
     gl.disable(gl.SCISSOR_TEST);
   }
@@ -257,7 +257,7 @@ class Viewer {
     const { gl } = this, { width: w, height: h } = gl.canvas;
     gl.bindFramebuffer(gl.READ_FRAMEBUFFER, this.target);
     gl.bindFramebuffer(gl.DRAW_FRAMEBUFFER, null);
-    gl.blitFramebuffer(0, 0, width, height, 0, 0, w, h, gl.COLOR_BUFFER_BIT, width === w ? gl.NEAREST : gl.LINEAR);
+    gl.blitFramebuffer(0, 0, width, height, 0, 0, w, h, gl.COLOR_BUFFER_BIT, width === w && height === h ? gl.NEAREST : gl.LINEAR);
   }
 
   fit() {
@@ -267,14 +267,15 @@ class Viewer {
     this.hasBuffer = true;
     [canvas.width, canvas.height] = [width, height];
     gl.bindRenderbuffer(gl.RENDERBUFFER, this.buffer);
-    gl.renderbufferStorage(gl.RENDERBUFFER, gl.RGBA8, width, height);
+    gl.renderbufferStorage(gl.RENDERBUFFER, gl.RGBA8, width + 1, height + 1);
     gl.bindFramebuffer(gl.FRAMEBUFFER, this.target);
     gl.framebufferRenderbuffer(gl.FRAMEBUFFER, gl.COLOR_ATTACHMENT0, gl.RENDERBUFFER, this.buffer);
   }
 
   // Draws coarsely now, then all of it in strips, so that a slow GPU does not hang the browser.
   async update() {
-    const turn = this.turn = (this.turn ?? 0) + 1;
+    const turn = this.turn = (this.turn ?? 0) + 1, busy = byId("busy").style;
+    busy.setProperty("--share", 0);
     document.body.dataset.drawn = "no";
     await new Promise(requestAnimationFrame);
     if (turn !== this.turn) return;
@@ -283,7 +284,7 @@ class Viewer {
     const { gl } = this, { width, height } = gl.canvas;
     const [w, h] = [width, height].map(side => Math.max(Math.round(side * this.share), 1));
     const start = performance.now();
-    this.draw(w, h, 1, 0, h);
+    this.draw(w, h, 1, 0, h + 1);
     this.show(w, h);
     gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, new Uint8Array(4));  // Waits.
     const time = performance.now() - start;
@@ -295,6 +296,7 @@ class Viewer {
       if (turn !== this.turn) return;
       this.draw(width, height, 4, row, Math.min(row + rows, height));
       gl.readPixels(0, row, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, new Uint8Array(4));
+      busy.setProperty("--share", (row + rows) / height);
       await new Promise(done => setTimeout(done));
     }
     if (turn !== this.turn) return;
@@ -305,24 +307,49 @@ class Viewer {
 
 const isDark = matchMedia("(prefers-color-scheme: dark)");
 const shortened = value => Number(value.toPrecision(4)).toString();
+const extent = page.spacing * Math.max(nx, ny, nz);
+const placed = value => {  // A coordinate, in steps of a thousandth of the box's size, or finer.
+  const step = 10 ** (Math.floor(Math.log10(extent)) - 3);
+  return Number((Math.round(value / step) * step).toPrecision(12)).toString();
+};
 const closest = p => p.map((v, a) => clamp(v, 0, page.dims[a] - 1));  // Of the box of the samples.
 const roundedUp = length => {  // To 1, 2 or 5 times a power of ten.
   const power = 10 ** Math.floor(Math.log10(length));
   return power * [1, 2, 5, 10].find(factor => length <= 1.000001 * factor * power);
 };
 
+// Returns the numbers at which an array has its surface, and what it says of a number.
+function sidesOf({ name, range }) {
+  if (name === "distance") return { levels: [0], side: value => ["inside", "", "outside"][Math.sign(value) + 1] };
+  if (name === "winding number") return { levels: [-0.5, 0.5], side: value => (Math.abs(value) > 0.5 ? "inside" : "outside") };
+  return { levels: range === undefined ? [] : [0], side: () => "" };
+}
+
 // Shows the colours from one value to another.
-function showLegend({ unit }, stops, least, most) {
+function showLegend(array, stops, least, most) {
+  const { unit } = array, { levels, side } = sidesOf(array);
   const encode = c => Math.round(255 * (c <= 0.0031308 ? 12.92 * c : 1.055 * c ** (1 / 2.4) - 0.055));
   const places = stops.map(([at, ...colour]) => `rgb(${colour.map(encode)}) ${100 * (at - least) / (most - least || 1)}%`);
   byId("ramp").style.background = `linear-gradient(to right, ${places})`;
-  [byId("least").textContent, byId("most").textContent] = [least, most].map(value => shortened(value * unit));
+  for (const [id, value] of [["least", least], ["most", most]]) {
+    byId(id).textContent = shortened(value * unit);
+    byId(id + "Side").textContent = side(value);
+  }
+  byId("levels").replaceChildren(...levels.filter(level => level > least && level < most).map(level => {
+    const mark = document.createElement("span");
+    mark.textContent = level;
+    mark.style.left = `${100 * (level - least) / (most - least)}%`;
+    return mark;
+  }));
 }
 
 // Returns the colours that the controls choose: stops, and the step of the lines.
 function readColours(viewer) {
   const colours = Number(byId("colours").value), array = viewer.colours[colours];
-  for (const id of ["ranges", "meaning"]) byId(id).hidden = array.range === undefined;
+  byId("ranges").hidden = array.range === undefined;
+  const isSeen = array.isOnSurface || byId("cut").value || byId("slice").value;
+  byId("meaning").textContent = array.range !== undefined ? "Red: the surface of B lies farther in. Blue: farther out."
+    : isSeen ? "" : "A cut or a slice shows these colours.";
   if (array.range === undefined) {
     const [first, last] = [array.stops[0][0], array.stops.at(-1)[0]];
     showLegend(array, array.stops, Math.max(first, array.least), Math.min(last, array.most));
@@ -398,6 +425,7 @@ function listDefects(viewer) {
     for (const place of listed) {
       const size = 2 * place.radius * page.spacing;
       const button = create(create(list, "li"), "button", `${place.count} ${unit}${place.count > 1 ? "s" : ""}, ${shortened(size)} across`);
+      button.title = "Look at this place";
       button.onclick = () => {
         for (const shown of section.querySelectorAll(".shown")) shown.classList.remove("shown");
         button.classList.add("shown");
@@ -476,7 +504,7 @@ function listen(viewer) {
 function hover(viewer, { x, y }) {
   const hit = viewer.pick(viewer.ray(x, y));
   if (!hit) return byId("place").textContent = "";
-  const at = hit.p.map((v, a) => shortened(page.origin[a] + v * page.spacing)).join(", ");
+  const at = hit.p.map((v, a) => placed(page.origin[a] + v * page.spacing)).join(", ");
   const read = array => shortened(viewer.inGrid(closest(hit.p), array) * array.unit);
   const isTwo = viewer.fields.length > 1, fields = isTwo || hit.isSlice ? viewer.fields : [];
   const values = fields.map((field, i) => `${isTwo ? "AB"[i] : "distance"} ${read(field)}`);

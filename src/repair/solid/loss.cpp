@@ -47,7 +47,7 @@ double medianOf(std::vector<std::pair<double, double>> sides) {
   return 0.0;
 }
 
-/// What samples at one distance keep of the lost sides.
+/// Share of the lost sides that samples at one distance keep.
 struct Trial {
   double voxelSize = 0.0;
   double keptShare = 0.0;

@@ -130,9 +130,11 @@ void eraseDrilled(ExpectedPoints& expected, const Grid& grid, const std::vector<
 
 }  // namespace
 
-void inspect(const PackedMesh& mesh, Diagnostics& found, SelfIntersections& crossing) {
+void inspect(const PackedMesh& mesh, Diagnostics& found, SelfIntersections& crossing,
+             Arrangement& arrangement) {
   found = diagnose(mesh);
   crossing = findSelfIntersections(mesh);
+  arrangement = arrangeParts(mesh, found, crossing);
 }
 
 ExpectedPoints expectedPoints(const PackedMesh& mesh, const Field& solid, const RepairOptions& repair,
@@ -156,7 +158,7 @@ ExpectedPoints expectedPoints(const PackedMesh& mesh, const Field& solid, const 
 std::vector<FacePoint> measure(const PackedMesh& mesh, const PackedMesh& result, const Grid& grid,
                                const RepairOptions& repair, const std::vector<DrainHole>& holes,
                                ExpectedPoints expected, Progress& progress, RepairReport& report) {
-  inspect(result, report.after, report.crossingAfter);
+  inspect(result, report.after, report.crossingAfter, report.arrangementAfter);
   progress.part(0.2, 0.6);
   eraseDrilled(expected, grid, holes);
   const std::vector<size_t> lost = measureMesh(expected, result, grid, progress, report);

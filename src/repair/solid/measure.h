@@ -23,7 +23,8 @@ struct ExpectedPoints {
 };
 
 /// Finds what is wrong with a mesh.
-void inspect(const PackedMesh& mesh, Diagnostics& found, SelfIntersections& crossing);
+void inspect(const PackedMesh& mesh, Diagnostics& found, SelfIntersections& crossing,
+             Arrangement& arrangement);
 
 /// Returns points of a mesh on the surface moved by the offset, and reports the share of points that have no
 /// place there. `solid` is the field after the offset, before anything is hollowed out.

@@ -11,6 +11,7 @@
 #include <raymap/thickness.h>
 
 #include <algorithm>
+#include <utility>
 
 #include "base/parallel.h"
 #include "cpu/points/local_thickness.h"
@@ -62,8 +63,27 @@ class ThinParts {
     return middleOf(mesh, [&](size_t i) { return isMissed(doubtful_[i], thickness_[i]); });
   }
 
-  /// Returns the share of the mesh's area that is thin.
-  double share() const { return area_ > 0.0 ? thinArea_ / area_ : 0.0; }
+  /// Returns what became thicker, after the surfaces above were returned.
+  Thickened thickened() const {
+    if (area_ == 0.0) return {};
+    std::vector<std::pair<double, double>> walls;  // Thickness with the offset, and area.
+    double area = 0.0;
+    for (size_t i = 0; i < doubtful_.size(); ++i) {
+      const double own = double(thickness_[i].diameter) + 2.0 * offset_;
+      if (isCounted_[i] == 0 || thickness_[i].part != Part::Wall || own <= 0.0 || 2.0 * own >= least_)
+        continue;
+      walls.emplace_back(own, doubtful_[i].area);
+      area += doubtful_[i].area;
+    }
+    std::ranges::sort(walls);
+    const auto quantile = [&](double share) {
+      double sum = 0.0;
+      for (const auto& [own, part] : walls)
+        if ((sum += part) >= share * area) return own;
+      return 0.0;
+    };
+    return {thinArea_ / area_, area / area_, quantile(0.01), quantile(0.5)};
+  }
   /// Returns the thickness below which the mesh is thin. The offset moves both sides.
   double limit() const { return least_ - 2.0 * offset_; }
 
@@ -195,14 +215,14 @@ double leastThickness(const RepairOptions& repair, const Grid& grid) {
   return repair.minThickness.value_or(kSurvives * grid.spacing);
 }
 
-double thickenThinParts(Given& given, Field& solid, Progress& progress) {
+Thickened thickenThinParts(Given& given, Field& solid, Progress& progress) {
   ThinParts parts(solid, given.repair);
-  if (parts.limit() <= 0.0) return 0.0;
+  if (parts.limit() <= 0.0) return {};
   parts.measure(given.surface(), progress);
   const double thickness = leastThickness(given.repair, given.grid);
   uniteWithPlates(parts.middleOfThin(given.mesh), thickness, given, solid);
   uniteWithPlates(parts.missed(given.mesh), thickness, given, solid);
-  return parts.share();
+  return parts.thickened();
 }
 
 }  // namespace raymap

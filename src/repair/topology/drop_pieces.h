@@ -3,7 +3,7 @@
 #include <raymap/field.h>
 #include <raymap/repair.h>
 
-#include "repair/topology/pieces.h"
+#include "mesh/pieces.h"
 
 namespace raymap {
 

@@ -1,67 +1,18 @@
 #include "repair/topology/fill_holes.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <optional>
 #include <utility>
 #include <vector>
 
-#include "mesh/half_edges.h"
-#include "mesh/loops.h"
 #include "mesh/triangle.h"
+#include "repair/topology/rims.h"
 
 namespace raymap {
 
 namespace {
 
 constexpr size_t kMostEdges = 300;  // The time grows with the cube.
-
-/// An edge of a rim in the direction in which a face of the hole uses it, and the third corner of its face.
-struct BorderEdge {
-  uint32_t from, to, third;
-};
-
-/// Returns the edges that only one face uses, by their first vertex.
-std::vector<BorderEdge> findBorderEdges(const Mesh& mesh) {
-  Buffer<SortKey> keys;
-  const std::span<const SortKey> halfEdges = sortHalfEdges(mesh, unwelded(mesh.vertices.size()), keys);
-  std::vector<BorderEdge> rim;
-  forEachEdge(halfEdges, 0, halfEdges.size(), [&](std::span<const SortKey> edge) {
-    if (edge.size() != 1) return;
-    const HalfEdge only = halfEdgeOf(edge[0]);
-    const glm::uvec3& t = mesh.triangles[only.face];
-    rim.push_back({only.to(), only.from(), t.x ^ t.y ^ t.z ^ only.low ^ only.high});
-  });
-  std::ranges::sort(rim, {}, &BorderEdge::from);
-  return rim;
-}
-
-using Rim = std::vector<BorderEdge>;
-
-/// Joins edges to closed rims. Returns nothing if one does not close, or has too few or too many edges.
-std::optional<std::vector<Rim>> traceRims(const std::vector<BorderEdge>& edges, size_t vertices) {
-  std::vector<bool> isUsed(edges.size());
-  const auto take = [&](uint32_t& place) {
-    auto e = size_t(std::ranges::lower_bound(edges, place, {}, &BorderEdge::from) - edges.begin());
-    while (e < edges.size() && edges[e].from == place && isUsed[e]) ++e;
-    if (e == edges.size() || edges[e].from != place) return kNoEdge;
-    isUsed[e] = true;
-    place = edges[e].to;
-    return uint32_t(e);
-  };
-  std::vector<uint32_t> starts;
-  for (const BorderEdge& edge : edges) starts.push_back(edge.from);
-  std::vector<Rim> rims;
-  bool areGood = true;
-  traceLoops(vertices, starts, take, [&](std::span<const LoopStep> steps, uint32_t end) {
-    areGood = areGood && end == steps[0].from && steps.size() >= 3 && steps.size() <= kMostEdges;
-    Rim& rim = rims.emplace_back();
-    for (const LoopStep& step : steps) rim.push_back(edges[step.edge]);
-  });
-  if (!areGood) return {};
-  return rims;
-}
 
 /// Finds the best triangulation of a rim by dynamic programming over its parts.
 class RimFiller {
@@ -138,11 +89,12 @@ class RimFiller {
 }  // namespace
 
 FilledHoles fillHoles(Mesh& mesh) {
-  const auto rims = traceRims(findBorderEdges(mesh), mesh.vertices.size());
-  if (!rims) return {};
+  const Rims rims = findRims(mesh);
+  const auto canFill = [](const Rim& rim) { return rim.size() >= 3 && rim.size() <= kMostEdges; };
+  if (!rims.open.empty() || !std::ranges::all_of(rims.closed, canFill)) return {};
   const size_t before = mesh.triangles.size();
-  for (const Rim& rim : *rims) RimFiller(mesh, rim).append(mesh.triangles);
-  return {rims->size(), mesh.triangles.size() - before};
+  for (const Rim& rim : rims.closed) RimFiller(mesh, rim).append(mesh.triangles);
+  return {rims.closed.size(), mesh.triangles.size() - before};
 }
 
 }  // namespace raymap

@@ -13,10 +13,12 @@ bool looksRight(const Diagnostics& found);
 /// Returns whether holes are all that these counts find wrong with a mesh.
 bool hasOnlyHoles(const Diagnostics& found);
 
-/// Keeps the faces of a mesh that looks right and has no crossing faces, unless its parts overlap or face the
-/// wrong way. Drops small parts only if `RepairOptions::dropSmaller` is set; warns of them else. Returns
-/// whether it kept the faces.
-bool keepFaces(const PackedMesh& mesh, const RepairOptions& repair, const WarningCallback& warn,
+/// Returns whether no faces cross, and the search for them is complete.
+bool crossesNowhere(const SelfIntersections& crossing);
+
+/// Keeps the faces of a mesh that looks right, has no crossing faces, and whose parts lie right. Drops small
+/// parts only if `RepairOptions::dropSmaller` is set; warns of them else.
+void keepFaces(const PackedMesh& mesh, const RepairOptions& repair, const WarningCallback& warn,
                Repaired& repaired);
 
 }  // namespace raymap

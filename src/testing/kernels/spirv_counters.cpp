@@ -425,27 +425,4 @@ std::vector<uint32_t> withCounters(std::span<const uint32_t> code, uint64_t addr
   return Instrumenter(code, address).rewrite();
 }
 
-StaticWork staticWork(std::span<const uint32_t> code) {
-  const Types types(code);
-  std::map<uint32_t, uint64_t> functions;
-  uint32_t function = 0, main = 0;
-  StaticWork work;
-  // Functions may be called before they are defined; calls do not nest deeper than this.
-  for (int depth = 0; depth < 16; ++depth) {
-    std::map<uint32_t, uint64_t> next;
-    forEachInstruction(code, [&](Words words) {
-      const uint32_t op = opOf(words);
-      if (op == OpEntryPoint) main = words[2];
-      if (op == OpFunction) function = words[2];
-      if (op == OpLoopMerge) work.isStraight = false;
-      if (op < OpFunction && (op != OpExtInst || function == 0)) return;
-      next[function] += op == OpFunctionCall ? functions[words[3]] : workOf(types, words).operations;
-    });
-    functions = next;
-    function = 0;
-  }
-  work.operations = functions[main];
-  return work;
-}
-
 }  // namespace raymap::vulkan

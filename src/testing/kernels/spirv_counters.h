@@ -28,12 +28,4 @@ struct WorkCounters {
 /// variables nothing, as they become registers.
 std::vector<uint32_t> withCounters(std::span<const uint32_t> code, uint64_t address);
 
-/// Returns the operations of the shader's code if each block runs once, and whether it has no loop. Calls
-/// count as often as they stand there.
-struct StaticWork {
-  uint64_t operations = 0;
-  bool isStraight = true;
-};
-StaticWork staticWork(std::span<const uint32_t> code);
-
 }  // namespace raymap::vulkan

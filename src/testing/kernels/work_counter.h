@@ -23,7 +23,7 @@ struct CountedCommand {
   double milliseconds = 0.0;  ///< From the end of the command before to its end; 0 unless times are measured.
 };
 
-/// What is measured of a command besides what the product records.
+/// Figures of a command besides those that the product records.
 enum class Measured {
   Work,  ///< The work of every dispatch. Kernels are changed to count it themselves, which makes them slower.
   Time   ///< The time of every command, by the device's clock. Kernels stay as they are.

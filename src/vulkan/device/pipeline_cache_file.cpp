@@ -2,8 +2,9 @@
 
 #include <cstdio>
 #include <cstring>
-#include <fstream>
 #include <optional>
+#include <ostream>
+#include <string>
 
 #include "base/hash.h"
 #include "base/user_cache.h"
@@ -40,16 +41,15 @@ std::filesystem::path PipelineCacheFile::name() const {
 }
 
 std::vector<std::byte> PipelineCacheFile::read() const {
-  const std::optional<std::filesystem::path> folder = userCacheFolder();
-  if (!folder) return {};
-  std::ifstream file(*folder / name(), std::ios::binary);
+  const std::optional<std::string> content = readUserCache(name(), sizeof(Header) + kMostBytes);
+  if (!content || content->size() < sizeof(Header)) return {};
   Header found;
-  if (!file.read(reinterpret_cast<char*>(&found), sizeof found) || found.size > kMostBytes) return {};
-  std::vector<std::byte> compiled(found.size);
-  if (!file.read(reinterpret_cast<char*>(compiled.data()), static_cast<std::streamsize>(found.size)))
-    return {};
-  const Header expected{.identity = identity_, .size = found.size, .hash = hashOf(compiled)};
-  return found == expected ? compiled : std::vector<std::byte>();
+  std::memcpy(&found, content->data(), sizeof found);
+  const std::span<const std::byte> all = std::as_bytes(std::span(*content)),
+                                   compiled = all.subspan(sizeof found);
+  const Header expected{.identity = identity_, .size = compiled.size(), .hash = hashOf(compiled)};
+  return found == expected ? std::vector<std::byte>(compiled.begin(), compiled.end())
+                           : std::vector<std::byte>();
 }
 
 void PipelineCacheFile::write(std::span<const std::byte> compiled) const {

@@ -58,6 +58,7 @@ void Backend::begin() {
   const auto& [mesh, grid, options, progress, field, machine] = *job_;
   doubtfulShare_.reset();
   doubleSided_.reset();
+  mayHaveInvertedParts_.reset();
   turns_.clear();
   faceSides_ = {};
   patch_.clear();
@@ -69,7 +70,7 @@ void Backend::begin() {
               .winding = options.winding ? winding_.address() : 0,
               .confidence = options.confidence ? confidence_.address() : 0});
   recordMesh(upload_.source());
-  if (!extent().searchesFaces()) return;
+  if (!extent().searchesFaces) return;
   stopStage();
   startStage(kFaceSearchStage);
   searchFaces();
@@ -94,7 +95,8 @@ StageRecorder::Extent Backend::extentOf(const PackedMesh& mesh, const Grid& grid
                 .hasWinding = options.winding,
                 .turnsFaces = mayTurnFaces(options),
                 .closesHoles = options.closeHoles,
-                .findsRims = usesRims(options.sign)};
+                .findsRims = usesRims(options.sign),
+                .searchesFaces = usesRims(options.sign) || mayTurnFaces(options)};
   if (options.distance == DistanceMode::Exact) return extent;
   const Box box = bounds(mesh);
   const auto inCells = [&](const glm::dvec3& p) { return glm::vec3((p - grid.origin) / grid.spacing); };
@@ -181,10 +183,18 @@ DoubleSidedFaces Backend::doubleSidedFaces() {
   return *doubleSided_;
 }
 
+bool Backend::mayHaveInvertedParts() {
+  if (!mayHaveInvertedParts_) mayHaveInvertedParts_ = raymap::mayHaveInvertedParts(mesh());
+  return *mayHaveInvertedParts_;
+}
+
 void Backend::searchDoubleSided() {
   if (doubleSided_) return;
-  commandBuffer_.waitForPart();
-  const auto faces = faceSearch().faces();
+  std::optional<std::span<const uint32_t>> faces;
+  if (extent().searchesFaces) {
+    commandBuffer_.waitForPart();
+    faces = faceSearch().faces();
+  }
   doubleSided_ = faces ? findDoubleSidedFaces(mesh(), *faces) : findDoubleSidedFaces(mesh());
 }
 
@@ -197,6 +207,7 @@ void Backend::searchRims(SignMode mode) {
   const auto edges = faceSearch().edges();
   rims_ = edges ? findRimLattices(asTurned, findRimEdges(asTurned, *edges), grid(), mode)
                 : findRimLattices(asTurned, grid(), mode);
+  if (mode == SignMode::Harmonic && rims_.rims.size() > kMostRimsInSingles) rims_.rims.clear();
 }
 
 void Backend::winding(SignMode mode) {
@@ -204,8 +215,9 @@ void Backend::winding(SignMode mode) {
   recordRays(mode);
   if (usesRims(mode)) {
     const double share = countDoubtful([&] {
-      if (mayTurnFaces(options())) searchDoubleSided();
+      searchDoubleSided();
       searchRims(mode);
+      if (mayTurnFaces(options())) mayHaveInvertedParts();
     });
     if (share == 0.0) {
       rims_ = {};
@@ -217,8 +229,11 @@ void Backend::winding(SignMode mode) {
 }
 
 void Backend::windingDipoles() {
-  if (rims_.needDipoles()) recordDipoles();
-  if (!rims_.rims.empty()) recordRimSettling();
+  const bool rimsDecide = !rims_.rims.empty(), usesDipoles = rims_.looks > 0;
+  if (!rimsDecide && !usesDipoles) return;
+  recordDoubts();
+  if (usesDipoles) recordDipoles({rims_.looks, rimsDecide});
+  if (rimsDecide) recordRimSettling(usesDipoles);
 }
 
 template <class Work>
@@ -237,7 +252,7 @@ void Backend::turnFaces(const Turns& turns) {
   commandBuffer_.waitForPart();  // It reads the triangles that are replaced here.
   upload_.turn(mesh(), turns);
   recordMesh(upload_.source());
-  searchFaces();
+  if (extent().searchesFaces) searchFaces();
 }
 
 double Backend::misfit() {
@@ -289,6 +304,10 @@ std::vector<float> Backend::windingAt(std::span<const glm::vec3> points) {
 
 const CellMesh& Backend::cellMesh() {
   toCellUnits(mesh(), grid(), cellMesh_);
+  if (!turns_.empty()) {
+    turnedTriangles_ = turnedTriangles(mesh().triangles, turns_);
+    cellMesh_.triangles = turnedTriangles_;
+  }
   return cellMesh_;
 }
 
@@ -299,6 +318,7 @@ size_t Backend::bytesLeft() const {
 void Backend::addPatch() {
   recordPatch(patch_);
   cellMesh_.vertices.release();
+  turnedTriangles_.release();
 }
 
 void Backend::finish() {

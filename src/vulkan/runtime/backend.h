@@ -43,6 +43,7 @@ class Backend : public StageRecorder, private RecordingListener {
 
   FaceSides& faceSides() { return faceSides_; }
   DoubleSidedFaces doubleSidedFaces();
+  bool mayHaveInvertedParts();
   void turnFaces(const Turns& turns);
   double misfit();
   bool contradictsParity() const { return orientationStage().contradictsParity(); }
@@ -95,10 +96,12 @@ class Backend : public StageRecorder, private RecordingListener {
   std::optional<double> doubtfulShare_;  ///< Empty until it is read.
   RimLattices rims_;
   std::optional<DoubleSidedFaces> doubleSided_;
+  std::optional<bool> mayHaveInvertedParts_;
   Turns turns_;  ///< Empty while the faces are as given.
   std::vector<float> rises_;
   FaceSides faceSides_;
   CellMesh cellMesh_;
+  Buffer<glm::uvec3> turnedTriangles_;  ///< Those of `cellMesh_`, unless they are as given.
   HolePatch patch_;
   std::vector<Stats::Stage> stages_;
   double meshReady_ = 0.0, fieldReady_ = 0.0;

@@ -38,7 +38,10 @@ class FrameBackend : public StageRecorder {
     recordRays(mode);
     recordWinding(mode);
   }
-  void windingDipoles() { recordDipoles(); }
+  void windingDipoles() {
+    recordDoubts();
+    recordDipoles({});
+  }
   void finish();
   /// Always true: `status` reports whether the capacities sufficed.
   static bool complete() { return true; }

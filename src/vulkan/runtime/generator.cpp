@@ -141,17 +141,18 @@ Generator::Generator(Generator&&) noexcept = default;
 Generator& Generator::operator=(Generator&&) noexcept = default;
 
 const DeviceHandles& Generator::device() const {
-  return impl_->device.handles();
+  return notMoved(impl_).device.handles();
 }
 
 void Generator::reserve(const Room& room) {
-  impl_->reserve(room);
+  notMoved(impl_).reserve(room);
 }
 
 void Generator::record(VkCommandBuffer commands, const MeshBuffers& mesh, const Grid& grid,
                        const FieldOptions& options, const Target& target) {
-  require(impl_->room.has_value(), "no capacity is reserved; call reserve first");
-  const Room& room = *impl_->room;
+  require(commands != VK_NULL_HANDLE, "no command buffer is given");
+  require(notMoved(impl_).room.has_value(), "no capacity is reserved; call reserve first");
+  const Room& room = *notMoved(impl_).room;
   checkOptions(grid, options);
   require(grid.dims == room.dims, "the grid's dims are not the reserved ones");
   require(options.distance == room.distance && options.sign == room.sign,
@@ -164,33 +165,34 @@ void Generator::record(VkCommandBuffer commands, const MeshBuffers& mesh, const 
     throw Error(ErrorCode::Unsupported,
                 "a thickness is for fields on the host only; subtract half of it from an unsigned field");
   checkTarget(target, room);
-  const Commands into(commands, impl_->device.pipelineLayout(), nullptr);
+  const Commands into(commands, notMoved(impl_).device.pipelineLayout(), nullptr);
   if (mesh.triangleCount == 0 && options.allowEmpty)
-    return impl_->backend.recordFar(into, target, farDistance(options, grid.spacing));
+    return notMoved(impl_).backend.recordFar(into, target, farDistance(options, grid.spacing));
   checkMesh(mesh, room);
-  impl_->record({.commands = into,
-                 .mesh = impl_->sourceOf(mesh),
-                 .results = {.distance = impl_->addressOf(target.distance),
-                             .triangle = impl_->addressOf(target.triangle),
-                             .winding = impl_->addressOf(target.winding),
-                             .confidence = impl_->addressOf(target.confidence)},
-                 .image = target.image,
-                 .imageLayout = target.imageLayout,
-                 .status = target.status},
-                grid, options);
+  notMoved(impl_).record({.commands = into,
+                          .mesh = notMoved(impl_).sourceOf(mesh),
+                          .results = {.distance = notMoved(impl_).addressOf(target.distance),
+                                      .triangle = notMoved(impl_).addressOf(target.triangle),
+                                      .winding = notMoved(impl_).addressOf(target.winding),
+                                      .confidence = notMoved(impl_).addressOf(target.confidence)},
+                          .image = target.image,
+                          .imageLayout = target.imageLayout,
+                          .status = target.status},
+                         grid, options);
 }
 
 Status Generator::status() const {
-  return impl_->room ? impl_->backend.status() : Status{};
+  return notMoved(impl_).room ? notMoved(impl_).backend.status() : Status{};
 }
 
 Status Generator::status(std::span<const std::byte> written) const {
   require(written.size() == statusBytes(), "a status has " + std::to_string(statusBytes()) + " bytes, not " +
                                                std::to_string(written.size()) + "; see statusBytes");
-  require(impl_->room.has_value(), "no capacity is reserved, so there is no frame; call reserve first");
+  require(notMoved(impl_).room.has_value(),
+          "no capacity is reserved, so there is no frame; call reserve first");
   Findings findings;
   std::memcpy(&findings, written.data(), sizeof findings);
-  return impl_->backend.status(findings);
+  return notMoved(impl_).backend.status(findings);
 }
 
 size_t statusBytes() {
@@ -198,7 +200,7 @@ size_t statusBytes() {
 }
 
 uint64_t Generator::bytes() const {
-  return impl_->device.heldMemory();
+  return notMoved(impl_).device.heldMemory();
 }
 
 }  // namespace raymap::vulkan

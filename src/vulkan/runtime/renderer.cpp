@@ -1,3 +1,4 @@
+#include "base/require.h"
 #include "scene/scene.h"
 #include "vulkan/device/buffer_range.h"
 #include "vulkan/stages/render_field.h"
@@ -43,6 +44,7 @@ Renderer& Renderer::operator=(Renderer&&) noexcept = default;
 
 void Renderer::record(VkCommandBuffer commands, const FieldBuffer& field, const RenderOptions& options,
                       const PictureTarget& target) {
+  require(commands != VK_NULL_HANDLE, "no command buffer is given");
   validateGrid(field.grid);
   checkPictureSize(options.width, options.height);
   if (!options.frame)
@@ -55,20 +57,21 @@ void Renderer::record(VkCommandBuffer commands, const FieldBuffer& field, const 
                                       std::to_string(target.firstRow + target.rows) +
                                       " are not in a picture of " + std::to_string(options.height));
   RenderFieldStage::Samples samples{
-      .address = addressOf(impl_->device.handle(), field.distance, "a field of distances"),
+      .address = addressOf(notMoved(impl_).device.handle(), field.distance, "a field of distances"),
       .scale = static_cast<float>(1.0 / field.grid.spacing)};
-  RenderFieldStage::Pixels picture{.colour = addressOf(impl_->device.handle(), target.pixels, "a picture")};
+  RenderFieldStage::Pixels picture{
+      .colour = addressOf(notMoved(impl_).device.handle(), target.pixels, "a picture")};
   if (target.depth.buffer)
-    picture.depth = addressOf(impl_->device.handle(), target.depth, "a picture's depth");
+    picture.depth = addressOf(notMoved(impl_).device.handle(), target.depth, "a picture's depth");
   if (target.steps.buffer)
-    picture.steps = addressOf(impl_->device.handle(), target.steps, "a number of steps");
+    picture.steps = addressOf(notMoved(impl_).device.handle(), target.steps, "a number of steps");
   const GridMotion motion = motionOf(field);
   const Field elsewhere{.grid = field.grid, .clampDistance = field.clampDistance};
   RenderOptions shown = options;
   shown.other = nullptr;
   shown.otherBand = nullptr;
   if (field.values.buffer) {
-    samples.values = addressOf(impl_->device.handle(), field.values, "numbers in colour");
+    samples.values = addressOf(notMoved(impl_).device.handle(), field.values, "numbers in colour");
     if (options.array == FieldArray::Distance) shown.other = &elsewhere;
   } else if (options.array != FieldArray::Distance) {
     throw Error(ErrorCode::Usage, "drawing an array in colour needs a buffer of its numbers");
@@ -78,14 +81,14 @@ void Renderer::record(VkCommandBuffer commands, const FieldBuffer& field, const 
   if (isBand && shown.other)
     throw Error(ErrorCode::Usage, "a device draws no difference from a narrow band; draw it on the CPU");
   const VkDeviceAddress leafIndex =
-      isBand ? addressOf(impl_->device.handle(), band.leafIndex, "the index of leaves") : 0;
+      isBand ? addressOf(notMoved(impl_).device.handle(), band.leafIndex, "the index of leaves") : 0;
   const DrawnScene scene(isBand ? DrawnField(elsewhere, band.inside, band.outside) : DrawnField(elsewhere),
                          shown);
-  impl_->stage.checkScene(scene);
-  Commands work(commands, impl_->device.pipelineLayout(), nullptr);
+  notMoved(impl_).stage.checkScene(scene);
+  Commands work(commands, notMoved(impl_).device.pipelineLayout(), nullptr);
   waitForAll(commands);
-  impl_->stage.recordScene(work, scene, options.width, options.height, motion, leafIndex);
-  impl_->stage.recordRows(work, samples, picture, target.firstRow, rows);
+  notMoved(impl_).stage.recordScene(work, scene, options.width, options.height, motion, leafIndex);
+  notMoved(impl_).stage.recordRows(work, samples, picture, target.firstRow, rows);
   showAll(commands);
 }
 

@@ -1,3 +1,4 @@
+#include "base/require.h"
 #include "vulkan/device/buffer_range.h"
 #include "vulkan/stages/skin.h"
 
@@ -17,12 +18,13 @@ Skinner::Skinner(Skinner&&) noexcept = default;
 Skinner& Skinner::operator=(Skinner&&) noexcept = default;
 
 void Skinner::record(VkCommandBuffer commands, const SkinBuffers& skin, const BufferRange& vertices) {
+  require(commands != VK_NULL_HANDLE, "no command buffer is given");
   if (!skin.rest.buffer || !skin.matrices.buffer || !vertices.buffer)
     throw Error(ErrorCode::Usage, "a skin needs buffers of rest vertices, matrices and moved vertices");
   if (!skin.joints.buffer != !skin.weights.buffer)
     throw Error(ErrorCode::Usage, "a skin needs joints and weights, or neither");
   const auto address = [&](const BufferRange& range, const char* name, VkDeviceSize alignment) {
-    return addressOf(impl_->device.handle(), range, name, alignment);
+    return addressOf(notMoved(impl_).device.handle(), range, name, alignment);
   };
   const SkinStage::Input input{.rest = address(skin.rest, "the rest vertices of a skin", 4),
                                .joints = address(skin.joints, "the joints of a skin", 4),
@@ -31,9 +33,9 @@ void Skinner::record(VkCommandBuffer commands, const SkinBuffers& skin, const Bu
                                .vertexCount = skin.vertexCount,
                                .jointCount = skin.jointCount};
   const VkDeviceAddress moved = address(vertices, "the moved vertices of a skin", 4);
-  Commands work(commands, impl_->device.pipelineLayout(), nullptr);
+  Commands work(commands, notMoved(impl_).device.pipelineLayout(), nullptr);
   waitForAll(commands);
-  impl_->skin.record(work, input, moved);
+  notMoved(impl_).skin.record(work, input, moved);
   showAll(commands);
 }
 

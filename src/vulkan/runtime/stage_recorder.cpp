@@ -21,6 +21,7 @@ StageRecorder::StageRecorder(Device& device)
       rayMap_(device),
       winding_(device, &scratch_),
       orientation_(device),
+      windingDoubts_(device),
       windingDipoles_(device, &scratch_),
       windingRims_(device, &scratch_),
       closeHoles_(device),
@@ -34,7 +35,7 @@ void StageRecorder::reserve(const Extent& extent) {
   mesh_.reserve(extent.vertices, extent.triangles);
   if (isExact() || isHarmonic || extent.closesHoles) surfaceTree_.reserve(extent.triangles);
   scratch_.startPhase();
-  if (extent.searchesFaces()) faceSearch_.reserve(extent.vertices, extent.triangles);
+  if (extent.searchesFaces) faceSearch_.reserve(extent.vertices, extent.triangles);
   // The sign needs only the distances themselves, so the stages of both share their scratch memory.
   scratch_.startPhase();
   if (hasSign()) reserveSign();
@@ -112,8 +113,13 @@ void StageRecorder::recordRims(const RimLattices& lattices) {
   windingRims_.record(*commands_, crossings_.lines(), lattices, results_.winding);
 }
 
-void StageRecorder::recordRimSettling() {
-  windingRims_.recordSettling(*commands_, crossings_.lines(), results_.distance, options_->threshold,
+void StageRecorder::recordDoubts() {
+  windingDoubts_.record(*commands_, crossings_.lines(), results_.winding, winding_.doubtful().address());
+}
+
+void StageRecorder::recordRimSettling(bool afterDipoles) {
+  windingRims_.recordSettling(*commands_, crossings_.lines(), results_.distance,
+                              afterDipoles ? 0 : windingDoubts_.change().address(), options_->threshold,
                               results_.winding);
 }
 
@@ -136,12 +142,13 @@ OrientationStage::Fields StageRecorder::orientationFields() const {
           .threshold = options_->threshold};
 }
 
-void StageRecorder::recordDipoles() {
+void StageRecorder::recordDipoles(WindingDipolesStage::Looks looks) {
   windingDipoles_.record(*commands_, surfaceTree(),
                          {.distance = results_.distance,
                           .winding = results_.winding,
-                          .disagreeing = winding_.doubtful().address()},
-                         options_->threshold);
+                          .disagreeing = winding_.doubtful().address(),
+                          .change = windingDoubts_.change().address()},
+                         looks, options_->threshold);
 }
 
 void StageRecorder::recordMissingEdges() {

@@ -26,6 +26,7 @@
 #include "vulkan/stages/voxel_grid.h"
 #include "vulkan/stages/winding.h"
 #include "vulkan/stages/winding_dipoles.h"
+#include "vulkan/stages/winding_doubts.h"
 #include "vulkan/stages/winding_rims.h"
 
 namespace raymap::vulkan {
@@ -57,9 +58,8 @@ class StageRecorder {
     bool hasWinding = false;  ///< Whether the results always include a buffer for the winding number.
     bool turnsFaces = false;
     bool closesHoles = false;
-    bool findsRims = false;  ///< Whether the host looks for rims.
-    /// Whether the host looks for rims or double-sided faces.
-    bool searchesFaces() const { return findsRims || turnsFaces; }
+    bool findsRims = false;      ///< Whether the host looks for rims.
+    bool searchesFaces = false;  ///< Whether the device searches for rims and faces that lie on others.
     /// Cells that the paper's distances search: `coverBounds` of meshes that reach at most `outside` beyond
     /// the grid.
     std::vector<CellLattice> lattices;
@@ -79,8 +79,9 @@ class StageRecorder {
   void recordRays(SignMode mode);
   void recordRims(const RimLattices& lattices);
   void recordWinding(SignMode mode);
-  void recordDipoles();
-  void recordRimSettling();
+  void recordDoubts();
+  void recordDipoles(WindingDipolesStage::Looks looks);
+  void recordRimSettling(bool afterDipoles);
 
   explicit StageRecorder(Device& device);
 
@@ -166,6 +167,7 @@ class StageRecorder {
   RayMapStage rayMap_;
   WindingStage winding_;
   OrientationStage orientation_;
+  WindingDoubtsStage windingDoubts_;
   WindingDipolesStage windingDipoles_;
   WindingRimsStage windingRims_;
   CloseHolesStage closeHoles_;

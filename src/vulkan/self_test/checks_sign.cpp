@@ -3,6 +3,7 @@
 #include "cpu/sign/close_holes.h"
 #include "cpu/sign/orientation.h"
 #include "cpu/sign/sign.h"
+#include "cpu/sign/winding_doubts.h"
 #include "cpu/sign/winding_harmonic.h"
 #include "cpu/sign/winding_paths.h"
 #include "cpu/sign/winding_rays.h"
@@ -13,6 +14,7 @@
 #include "vulkan/stages/close_holes.h"
 #include "vulkan/stages/orientation.h"
 #include "vulkan/stages/sign.h"
+#include "vulkan/stages/winding_doubts.h"
 
 namespace raymap::vulkan {
 
@@ -105,10 +107,12 @@ void checkRims(Subject& subject) {
   const Grid grid = unitGrid({23, 14, 19});
   const OwnCellMesh mesh(openSurfaces(), grid);
   RimLattices lattices = findRimLattices(openSurfaces(), grid);
-  const cpu::RayMap map = rayMapOf(mesh);
-  compareRims(subject.probe, stage, map, lattices);
+  Progress progress;
+  cpu::Crossings crossings;
+  cpu::countCrossings(mesh, progress, crossings);
+  compareRims(subject.probe, stage, mesh.dims, crossings, lattices);
   lattices.computed.clear();  // As if they were too many.
-  compareRims(subject.probe, stage, map, lattices);
+  compareRims(subject.probe, stage, mesh.dims, crossings, lattices);
 }
 
 void checkPaths(Subject& subject) {
@@ -286,16 +290,20 @@ void requireRimNumbers(const std::string& what, const std::vector<float>& found,
 
 }  // namespace
 
-void compareRims(const Probe& probe, WindingRimsStage& stage, const cpu::RayMap& map,
-                 const RimLattices& lattices) {
+void compareRims(const Probe& probe, WindingRimsStage& stage, const glm::ivec3& dims,
+                 const cpu::Crossings& crossings, const RimLattices& lattices) {
   constexpr double kThreshold = 0.5;
   Progress progress;
+  WindingDoubtsStage doubts(probe.device());
+  cpu::RayMap map;
+  cpu::buildRayMap(dims, crossings, map);
   cpu::HarmonicScratch scratch;
   Buffer<float> expected = bufferOf(randomField(CellLattice{map.dims}.count())), distance = expected.clone();
   for (float& each : distance) each = 20.0f * std::abs(each);
   const DeviceBuffer winding = probe.upload(std::vector<float>(expected.begin(), expected.end()), "winding"),
                      distances =
                          probe.upload(std::vector<float>(distance.begin(), distance.end()), "distance");
+  const DeviceBuffer disagreeing = probe.upload<uint32_t>({1}, "disagreeing");
   const UploadedRays rays(probe, map);
   const LatticeLines lines{.dims = map.dims, .axes = rays.addresses()};
   stage.reserve(map.dims);
@@ -304,9 +312,13 @@ void compareRims(const Probe& probe, WindingRimsStage& stage, const cpu::RayMap&
     if (lattices.haveAll()) computeFromRims(map, lattices, progress, 0.0, scratch, expected);
     requireRimNumbers("winding numbers", probe.download<float>(winding), expected);
     probe.run([&](Commands& commands) {
-      stage.recordSettling(commands, lines, distances.address(), kThreshold, winding.address());
+      doubts.record(commands, lines, winding.address(), disagreeing.address());
+      stage.recordSettling(commands, lines, distances.address(), doubts.change().address(), kThreshold,
+                           winding.address());
     });
-    settleByRims(map, lattices, distance, kThreshold, progress, expected);
+    settleByRims(map, lattices,
+                 findDoubts(map.dims, crossings, expected, distance, lattices.source(), kThreshold), progress,
+                 expected);
     requireRimNumbers("winding numbers near the threshold", probe.download<float>(winding), expected);
   });
 }

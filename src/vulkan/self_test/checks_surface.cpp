@@ -144,11 +144,13 @@ void checkDipoles(Subject& subject) {
     const DeviceBuffer distance = probe.upload(std::vector<float>(samples, 0.0f), "distance");
     const DeviceBuffer winding = probe.upload(std::vector<float>(samples, 0.5f), "winding");
     const DeviceBuffer disagreeing = probe.upload<uint32_t>({1}, "disagreeing");
+    const DeviceBuffer change = probe.upload<float>({0.0f}, "change");
     tree.reserve(count);
     dipoles.reserve(count, cells.dims);
     probe.run([&](Commands& commands) {
       tree.record(commands, uploaded.addresses(), cells.dims);
-      dipoles.record(commands, tree, {distance.address(), winding.address(), disagreeing.address()},
+      dipoles.record(commands, tree,
+                     {distance.address(), winding.address(), disagreeing.address(), change.address()}, {},
                      kThreshold);
     });
     const std::vector<float> found = probe.download<float>(winding);

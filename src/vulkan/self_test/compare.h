@@ -29,8 +29,8 @@ void compareCrossings(SignProbe& probe, const CellMesh& mesh);
 void compareRays(SignProbe& probe, const CellMesh& mesh, SignMode mode);
 void compareHarmonic(const Probe& probe, WindingHarmonicStage& stage, const cpu::RayMap& map);
 /// Compares the numbers that follow from rims, and those that rims decide near the threshold.
-void compareRims(const Probe& probe, WindingRimsStage& stage, const cpu::RayMap& map,
-                 const RimLattices& lattices);
+void compareRims(const Probe& probe, WindingRimsStage& stage, const glm::ivec3& dims,
+                 const cpu::Crossings& crossings, const RimLattices& lattices);
 void comparePaths(const Probe& probe, WindingPathsStage& stage, const cpu::RayMap& map,
                   const FieldOptions& options);
 

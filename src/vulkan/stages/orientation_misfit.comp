@@ -8,11 +8,7 @@
 shared vec3 sumsOf[kMisfitGroup];
 
 void addEdge(Ints rays, uint axis, uint index, ivec3 s, uint stride, inout vec3 sums) {
-  const ivec3 dims = gridDims();
-  if (s[axis] + 1 >= dims[axis]) return;
-  ivec3 next = s;
-  next[axis] += 1;
-  const int jump = rayFrom(rays, axis, dims, s) - rayFrom(rays, axis, dims, next);
+  const int jump = crossingsOfEdge(rays, axis, gridDims(), s);
   if (jump == 0) return;
   const float fall = push.field.at[index] - push.field.at[index + stride];
   sums.xy += vec2(float(jump) * (float(jump) - fall), abs(float(jump)));

@@ -12,3 +12,11 @@ int rayFrom(Ints rays, uint axis, ivec3 dims, ivec3 s) {
   s[axis] = max(s[axis] + 1, 0);
   return rays.at[(s.z * size.y + s.y) * size.x + s.x];
 }
+
+// Returns the crossings of the edge from a sample to the next one along an axis, or 0 if that lies beyond the
+// grid.
+int crossingsOfEdge(Ints rays, uint axis, ivec3 dims, ivec3 s) {
+  ivec3 next = s;
+  next[axis] += 1;
+  return next[axis] < dims[axis] ? rayFrom(rays, axis, dims, s) - rayFrom(rays, axis, dims, next) : 0;
+}

@@ -16,8 +16,8 @@ namespace raymap::vulkan {
 /// GPU twin of cpu/render/shade.cpp: draws a scene, one ray of a pixel per invocation.
 class RenderFieldStage {
  public:
-  /// Where a picture goes. A pixel has 32 bits: red in the lowest byte, then green, blue, 255. Its depth is
-  /// the distance from the eye to what it shows, in units of the samples; 0: not wanted.
+  /// Destination of a picture. A pixel has 32 bits: red in the lowest byte, then green, blue, 255. Its depth
+  /// is the distance from the eye to what it shows, in units of the samples; 0: not wanted.
   struct Pixels {
     VkDeviceAddress colour = 0;
     VkDeviceAddress depth = 0;

@@ -14,13 +14,17 @@ shared bool areDoubtful[kSamplesPerListed];
 void settle(uint index, uint mostTurns) {
   const uint row = index / push.gridX;
   const vec3 p = vec3(index % push.gridX, row % push.gridY, row / push.gridY);
-  for (uint look = 0; look < kLooks; ++look) {
-    bool isWhole;
-    const float w = windingNumber(p, kDistant[look], mostTurns, isWhole);
-    if (!isWhole) return;  // Keeps the last value.
-    if (gl_LocalInvocationIndex == 0) push.winding.at[index] = w;
-    if (abs(abs(w) - push.threshold) >= kClose[look]) return;
+  bool isSure = false;
+  float w = push.winding.at[index];
+  for (uint look = 0; look < push.looks && !isSure; ++look) {
+    const Winding found = windingNumber(p, kDistant[look], mostTurns);
+    if (!found.isWhole) break;  // Keeps the last value.
+    w = found.number;
+    isSure = abs(abs(w) - push.threshold) >= max(kClose[look], found.error);
   }
+  // At the threshold itself, winding_rims.comp replaces it.
+  if (push.rimsDecide != 0 && (!isSure || push.distance.at[index] <= kOnSurface)) w = push.threshold;
+  if (gl_LocalInvocationIndex == 0) push.winding.at[index] = w;
 }
 
 void main() {

@@ -94,18 +94,20 @@ void WindingDipolesStage::recordMoments(const SurfaceTreeStage& tree, WindingDip
   for (uint32_t level = 0; level < levels.size(); ++level) {
     push.levelStart = levels[level].start;
     push.levelCount = levels[level].count;
-    push.isLeafLevel = level == 0 ? 1 : 0;
     dispatch(push, level);
   }
 }
 
 void WindingDipolesStage::record(Commands& commands, const SurfaceTreeStage& tree, const Fields& fields,
-                                 double threshold) {
+                                 Looks looks, double threshold) {
   WindingDipolesPush push = pushOf(tree, threshold);
   push.distance = fields.distance;
   push.winding = fields.winding;
   push.doubts = doubtful_.address();
   push.disagreeing = fields.disagreeing;
+  push.change = fields.change;
+  push.looks = looks.most;
+  push.rimsDecide = looks.rimsDecide ? 1 : 0;
   push.mostListed = static_cast<uint32_t>(mostListed());
   commands.fill(doubtful_, 0);
   commands.dispatch(doubts_, push, ceilDiv(samplesOf(dims_), kDoubtsEach));

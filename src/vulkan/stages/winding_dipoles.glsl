@@ -27,8 +27,9 @@ void writeMoments(uint node, Moments m) {
   push.moments.at[node * kMomentVectors + 2] = vec4(m.products, 0);
 }
 
+// Dipoles are asked only for fields that fit all crossings.
 bool isDoubtful(uint index) {
-  return abs(abs(push.winding.at[index]) - push.threshold) < latticeError(push.distance.at[index]);
+  return isDoubtful(push.winding.at[index], push.threshold, kFromFit, push.distance.at[index], push.change.at[0]);
 }
 
 uint sampleCount() {

@@ -19,6 +19,13 @@ class WindingDipolesStage {
     VkDeviceAddress winding = 0;
     VkDeviceAddress disagreeing = 0;  ///< Number of samples whose rays disagree; if 0, no winding number
                                       ///< changes.
+    VkDeviceAddress change = 0;       ///< See `WindingDoubtsStage`.
+  };
+  /// How many looks a sample gets at most, and whether rims decide where the last one is not sure. These
+  /// numbers then equal the threshold.
+  struct Looks {
+    uint32_t most = kLooks;
+    bool rimsDecide = false;
   };
 
   /// A group of this many invocations computes a winding number, a multiple of `kTreeArity`. Without it, the
@@ -28,7 +35,8 @@ class WindingDipolesStage {
   /// Reserves memory for trees of up to this many triangles and grids of these dims. All previously recorded
   /// work must have completed.
   void reserve(uint32_t triangleCount, const glm::ivec3& dims);
-  void record(Commands& commands, const SurfaceTreeStage& tree, const Fields& fields, double threshold);
+  void record(Commands& commands, const SurfaceTreeStage& tree, const Fields& fields, Looks looks,
+              double threshold);
   /// Computes the winding numbers at `count` points of three coordinates each. Writes the threshold for a
   /// point that takes too long.
   void recordNumbersAt(Commands& commands, const SurfaceTreeStage& tree, VkDeviceAddress points,

@@ -17,7 +17,7 @@ void main() {
   const vec3 centre = readDisc(push.discs, node).centre;
   Moments sum = Moments(vec3(0), vec3(0), vec3(0));
   for (uint i = 0; i < kTreeArity; ++i)
-    if (push.isLeafLevel != 0) {
+    if (push.levelStart == push.firstLeaf) {
       if (place * kTreeArity + i >= push.triangleCount) break;
       const Triangle t = readTriangle(push.frames, place * kTreeArity + i);
       add(sum, 0.5 * t.bx * t.cy * t.z, t.a + (t.bx + t.cx) / 3.0 * t.x + t.cy / 3.0 * t.y - centre);

@@ -10,7 +10,6 @@ void main() {
   const uint i = groupIndex();
   if (i >= push.pointCount) return;
   const vec3 p = vec3(push.points.at[3 * i], push.points.at[3 * i + 1], push.points.at[3 * i + 2]);
-  bool isWhole;
-  const float w = windingNumber(p, kDistant[2], push.mostTurns, isWhole);
-  if (gl_LocalInvocationIndex == 0) push.winding.at[i] = isWhole ? w : push.threshold;
+  const Winding found = windingNumber(p, kDistant[2], push.mostTurns);
+  if (gl_LocalInvocationIndex == 0) push.winding.at[i] = found.isWhole ? found.number : push.threshold;
 }

@@ -4,6 +4,7 @@
 
 #include "base/shader_types.h"
 #include "method/winding_dipoles_shared.h"
+#include "method/winding_doubts_shared.h"
 
 RAYMAP_SHARED_BEGIN(raymap::vulkan)
 
@@ -23,19 +24,20 @@ struct WindingDipolesPush {
   doubts;                             // Number of samples that may be on the wrong side, then their list.
   RAYMAP_ADDRESS(Uints) disagreeing;  // Number of samples whose rays disagree.
   RAYMAP_ADDRESS(Floats) points;      // Three coordinates each; their numbers then go to `winding`.
+  RAYMAP_ADDRESS(Floats) change;      // The largest change of the numbers (winding_doubts.comp).
   uint gridX, gridY, gridZ;           // Samples of the grid.
   uint triangleCount;
   uint firstLeaf;   // Index of the first leaf among all nodes.
   uint levelStart;  // First node of the level to be written.
   uint levelCount;  // Number of its nodes.
-  uint isLeafLevel;
   float threshold;
   uint mostTurns;  // Maximum number of turns of a group (winding_number.glsl).
   uint pointCount;
   uint mostListed;  // Capacity of the list of doubtful samples.
   uint firstGroup;  // Number of groups before this dispatch.
-  uint unused;
+  uint looks;       // At most.
+  uint rimsDecide;  // Whether rims decide where the last look is not sure.
 };
-RAYMAP_CHECK_SIZE(WindingDipolesPush, 120);
+RAYMAP_CHECK_SIZE(WindingDipolesPush, 128);
 
 RAYMAP_SHARED_END

@@ -14,8 +14,8 @@ const uint kBatch = kInvocations / kTreeArity;
 shared uint nodes[kInvocations * (kMostTreeLevels - 2)];
 shared uint leaves[kInvocations + kBatch];  // Leaves to be summed triangle by triangle.
 shared uint pushedNodes, pushedLeaves;      // Since the walk began.
-shared int sumHigh;                         // See Sum.
-shared uint sumLow;
+shared int angleHigh, errorHigh;            // See Sum.
+shared uint angleLow, errorLow;
 
 // Returns half the solid angle of the triangle seen from p; zero in its plane (Van Oosterom & Strackee 1983).
 float halfSolidAngle(Triangle t, vec3 p) {
@@ -35,28 +35,28 @@ float halfSolidAngle(Moments m, vec3 r, float r2) {
   return 0.5 * (dot(r, m.area) + trace - 3.0 * second * inverse2) * inverse2 * inversesqrt(r2);
 }
 
-// Sum of half solid angles as an integer, in units of 2^-36: the same for any order and any group size.
+// Sum as an integer, in units of 2^-36: the same for any order and any group size.
 struct Sum {
   int high;  // In units of 2^-12.
   uint low;  // In units of 2^-36, below 2^24.
 };
 const float kHighUnits = 4096.0, kLowUnits = 16777216.0;
-const float kMostAngle = 262144.0;  // Keeps what is not finite out of the conversion to an integer.
+const float kMostTerm = 262144.0;  // Keeps what is not finite out of the conversion to an integer.
 
-Sum sum;
+Sum angles, squaredErrors;  // Half solid angles, and the squares of their errors.
 uint poppedNodes, poppedLeaves;
 uint turns = 0;  // Batches of nodes or leaves so far, in all walks.
 
 // Adds terms in both units.
-void addTerms(int high, uint low) {
+void addTerms(inout Sum sum, int high, uint low) {
   sum.low += low;
   sum.high += high + int(sum.low >> 24);
   sum.low &= 0xffffffu;
 }
 
-void addAngle(float angle) {
-  const float scaled = clamp(angle, -kMostAngle, kMostAngle) * kHighUnits, whole = floor(scaled);
-  addTerms(int(whole), uint((scaled - whole) * kLowUnits + 0.5));
+void add(inout Sum sum, float term) {
+  const float scaled = clamp(term, -kMostTerm, kMostTerm) * kHighUnits, whole = floor(scaled);
+  addTerms(sum, int(whole), uint((scaled - whole) * kLowUnits + 0.5));
 }
 
 // Adds the node's dipole if the node is distant. Otherwise the node waits to be opened.
@@ -64,10 +64,12 @@ void visit(uint node, vec3 p, float distant) {
   const Disc disc = readDisc(push.discs, node);
   if (disc.radius < 0) return;  // Fills up the level.
   const vec3 r = disc.centre - p;
-  const float r2 = dot(r, r);
-  if (r2 > distant * distant * (disc.radius * disc.radius + disc.halfThickness * disc.halfThickness))
-    addAngle(halfSolidAngle(readMoments(node), r, r2));
-  else if (node >= push.firstLeaf)
+  const float r2 = dot(r, r), reach2 = disc.radius * disc.radius + disc.halfThickness * disc.halfThickness;
+  if (r2 > distant * distant * reach2) {
+    const float angle = halfSolidAngle(readMoments(node), r, r2), error = angle * reach2 / r2;
+    add(angles, angle);
+    add(squaredErrors, error * error);
+  } else if (node >= push.firstLeaf)
     leaves[atomicAdd(pushedLeaves, 1) - poppedLeaves] = node;
   else
     nodes[atomicAdd(pushedNodes, 1) - poppedNodes] = node;
@@ -88,34 +90,35 @@ void sumLeaves(uint waiting, vec3 p) {
   poppedLeaves += taken;
   const uint triangle = (leaf - push.firstLeaf) * kTreeArity + gl_LocalInvocationIndex % kTreeArity;
   if (ofMine < taken && triangle < push.triangleCount)
-    addAngle(halfSolidAngle(readTriangle(push.frames, triangle), p));
+    add(angles, halfSolidAngle(readTriangle(push.frames, triangle), p));
 }
 
 void startWalk(vec3 p, float distant) {
-  sum = Sum(0, 0);
+  angles = squaredErrors = Sum(0, 0);
   poppedNodes = poppedLeaves = 0;
   barrier();  // All that the last walk wrote has been read.
   if (gl_LocalInvocationIndex == 0) {
-    pushedNodes = pushedLeaves = sumLow = 0;
-    sumHigh = 0;
+    pushedNodes = pushedLeaves = angleLow = errorLow = 0;
+    angleHigh = errorHigh = 0;
     visit(0, p, distant);
   }
   barrier();
 }
 
-// Returns the sum of all invocations.
-float totalAngle() {
-  atomicAdd(sumHigh, sum.high);
-  atomicAdd(sumLow, sum.low);
-  barrier();
-  sum = Sum(0, 0);
-  addTerms(sumHigh, sumLow);
+float total(int high, uint low) {
+  Sum sum = Sum(0, 0);
+  addTerms(sum, high, low);
   return float(sum.high) / kHighUnits + float(sum.low) / (kHighUnits * kLowUnits);
 }
 
-// Returns the winding number of the triangles around p, the same value in the whole group. `isWhole` is false if
-// it would take more than `mostTurns` turns.
-float windingNumber(vec3 p, float distant, uint mostTurns, out bool isWhole) {
+struct Winding {
+  float number;
+  float error;   // How far the number may be wrong.
+  bool isWhole;  // Whether it took at most the allowed turns; else it means nothing.
+};
+
+// Returns the winding number of the triangles around p, the same in the whole group.
+Winding windingNumber(vec3 p, float distant, uint mostTurns) {
   startWalk(p, distant);
   uint waitingNodes = pushedNodes, waitingLeaves = pushedLeaves;
   // Two loops, because devices that only mask branches would run both bodies in every turn of one.
@@ -130,6 +133,12 @@ float windingNumber(vec3 p, float distant, uint mostTurns, out bool isWhole) {
       waitingLeaves = pushedLeaves - poppedLeaves;
     }
   }
-  isWhole = waitingNodes + waitingLeaves == 0;
-  return totalAngle() / (2.0 * kPi);
+  atomicAdd(angleHigh, angles.high);
+  atomicAdd(angleLow, angles.low);
+  atomicAdd(errorHigh, squaredErrors.high);
+  atomicAdd(errorLow, squaredErrors.low);
+  barrier();
+  return Winding(total(angleHigh, angleLow) / (2.0 * kPi),
+                 kErrorOfDipoles / (2.0 * kPi) * sqrt(total(errorHigh, errorLow)),
+                 waitingNodes + waitingLeaves == 0);
 }

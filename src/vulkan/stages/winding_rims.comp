@@ -3,13 +3,15 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "vulkan/device/kernel.glsl"
+#include "method/winding_doubts_shared.h"
 #include "method/winding_rims_shared.h"
 #include "vulkan/device/subgroups.glsl"
 #include "vulkan/stages/arc_tangent.glsl"
 #include "vulkan/stages/ray_map.glsl"
 #include "vulkan/stages/winding_rims_push.h"
 
-// Whether the samples to compute are listed; else they are those near the threshold.
+// Whether the samples to compute are listed; else they are those that may lie on the wrong side of the threshold, or
+// those at the threshold itself, which dipoles leave.
 layout(constant_id = 1) const uint kIsListed = 1;
 layout(push_constant, scalar) uniform Push { WindingRimsPush push; };
 
@@ -89,7 +91,10 @@ void compute(uint place) {
 }
 
 bool isDoubtful(uint place) {
-  return abs(abs(push.values.at[place]) - push.threshold) < numberError(push.source, push.distance.at[place]);
+  const float w = push.values.at[place];
+  return uint64_t(push.change) == 0
+      ? abs(w) == push.threshold
+      : isDoubtful(w, push.threshold, push.source, push.distance.at[place], push.change.at[0]);
 }
 
 void main() {

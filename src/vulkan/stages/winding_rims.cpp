@@ -107,11 +107,12 @@ void WindingRimsStage::record(Commands& commands, const LatticeLines& rays, cons
 }
 
 void WindingRimsStage::recordSettling(Commands& commands, const LatticeLines& rays, VkDeviceAddress distance,
-                                      double threshold, VkDeviceAddress winding) {
+                                      VkDeviceAddress change, double threshold, VkDeviceAddress winding) {
   WindingRimsPush settle = push(rays, winding);
   settle.count = static_cast<uint32_t>(rimSamples(dims_, 0));
   settle.distance = distance;
   settle.source = source_;
+  settle.change = change;
   settle.threshold = static_cast<float>(threshold);
   commands.dispatch(settle_, settle, settle.count);
 }

@@ -9,6 +9,9 @@
 
 namespace raymap::vulkan {
 
+/// In single precision, a number from more rims is less exact than one from dipoles.
+inline constexpr size_t kMostRimsInSingles = 4096;
+
 /// GPU twin of cpu/sign/winding_rims_samples.h: winding numbers that follow from rays and rims.
 class WindingRimsStage {
  public:
@@ -21,9 +24,10 @@ class WindingRimsStage {
   void record(Commands& commands, const LatticeLines& rays, const RimLattices& lattices,
               VkDeviceAddress winding);
   /// Computes the numbers exactly that may lie on the wrong side of the threshold, with the rims of the last
-  /// `record`. `distance` is the unsigned distance in cells.
+  /// `record`. `distance` is the unsigned distance in cells, and `change` that of `WindingDoubtsStage`. Where
+  /// dipoles have decided, `change` is 0: then it computes the numbers that equal the threshold.
   void recordSettling(Commands& commands, const LatticeLines& rays, VkDeviceAddress distance,
-                      double threshold, VkDeviceAddress winding);
+                      VkDeviceAddress change, double threshold, VkDeviceAddress winding);
 
  private:
   void upload(Commands& commands, const RimLattices& lattices);

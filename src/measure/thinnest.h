@@ -1,0 +1,11 @@
+#pragma once
+
+#include <raymap/thickness.h>
+
+namespace raymap {
+
+/// Adds the thickness of a mesh's thinnest part to the verdict on it, as `judge` does.
+void addThinnest(const MeshView& mesh, const Diagnostics& found, const MachineOptions& machine,
+                 Verdict& verdict);
+
+}  // namespace raymap

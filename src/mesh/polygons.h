@@ -1,0 +1,41 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <span>
+#include <vector>
+
+namespace raymap {
+
+/// Triangles of polygons between numbered vertices, whose positions may become known later.
+class Polygons {
+ public:
+  void reserve(size_t polygons) { triangles.reserve(polygons); }
+  /// Appends a polygon as a fan of triangles around its first corner. Fewer than three corners are dropped.
+  void add(std::span<const uint32_t> corners);
+  /// Replaces the fans of polygons that they do not cover by triangles that do (see polygon.h). Returns the
+  /// number of polygons that have none: they cross themselves, or their corners lie on a line.
+  template <class Vec>
+  size_t cut(const std::vector<Vec>& positions);
+  /// Number of polygons that had fewer than three corners.
+  size_t dropped() const { return dropped_; }
+
+  std::vector<glm::uvec3> triangles;
+
+ private:
+  struct Fan {
+    uint32_t first;  ///< Its first triangle.
+    uint32_t corners;
+  };
+  struct Cuts;
+
+  template <class Vec>
+  void cutFan(size_t fan, const std::vector<Vec>& positions, Cuts& cuts) const;
+  void replace(std::span<const Cuts> parts);
+
+  std::vector<Fan> fans_;  // Those of more than one triangle.
+  size_t dropped_ = 0;
+};
+
+}  // namespace raymap

@@ -1,0 +1,75 @@
+#include <raymap/repair.h>
+#include <raymap/thickness.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/require.h"
+#include "measure/thinnest.h"
+
+namespace raymap {
+
+namespace {
+
+// Samples along the longest side of a soup of faces. Its surface is mostly what closes the gaps.
+constexpr int kSoupResolution = 128;
+constexpr size_t kBytesPerSample = 64;  // Memory of a repair, which is at most about this much.
+
+/// Returns the bounds of a mesh, extended to the base that it is joined to.
+Box boundsWithBase(const MeshView& mesh, const RepairOptions& repair) {
+  Box box = bounds(mesh);
+  if (!repair.base || box.isEmpty()) return box;
+  require(glm::length(repair.down) > 0.0, "the way down must not be zero");
+  const glm::dvec3 up = -repair.down / glm::length(repair.down), low = box.min, high = box.max;
+  for (int corner = 0; corner < 8; ++corner) {
+    glm::dvec3 p(corner & 1 ? high.x : low.x, corner & 2 ? high.y : low.y, corner & 4 ? high.z : low.z);
+    p += (*repair.base - glm::dot(p, up)) * up;
+    box.min = glm::min(box.min, p), box.max = glm::max(box.max, p);
+  }
+  return box;
+}
+
+GridOptions coveringOptions(const GridOptions& options, const RepairOptions& repair) {
+  GridOptions covering = options;
+  covering.resolution = options.resolution.value_or(kRepairResolution);
+  covering.box.reset();
+  covering.dims.reset();
+  covering.thickness = std::max({2.0 * repair.offset, repair.minThickness.value_or(0.0), 0.0});
+  return covering;
+}
+
+bool isChosen(const GridOptions& options) {
+  return options.resolution || options.voxelSize > 0.0;
+}
+
+}  // namespace
+
+RepairGrid chooseRepairGrid(const MeshView& mesh, const Verdict& verdict, const GridOptions& options,
+                            const RepairOptions& repair, const MachineOptions& machine) {
+  GridOptions covering = coveringOptions(options, repair);
+  const bool isSoup = verdict.kind == MeshKind::Soup;
+  if (!isChosen(options) && isSoup) covering.resolution = kSoupResolution;
+  const Box box = boundsWithBase(mesh, repair);
+  RepairGrid grid{box.isEmpty() ? fitGrid(mesh, covering) : fitGrid(box, covering)};
+  if (isChosen(options) || isSoup || !verdict.voxelSize || *verdict.voxelSize >= grid.spacing) return grid;
+  grid.thinnest = std::max(*verdict.thinnest, 2.0 * *verdict.voxelSize);  // But for rounding.
+  covering.voxelSize = *verdict.voxelSize;
+  const glm::dvec3 dims = grid.spacing / covering.voxelSize * glm::dvec3(grid.dims);
+  const size_t memory = machine.memoryLimit > 0 ? machine.memoryLimit : SIZE_MAX;
+  if (dims.x * dims.y * dims.z <= double(std::min(memory / kBytesPerSample, kMostRepairSamples)))
+    static_cast<Grid&>(grid) = fitGrid(box, covering);
+  return grid;
+}
+
+RepairGrid fitRepairGrid(const MeshView& mesh, const GridOptions& options, const RepairOptions& repair,
+                         const MachineOptions& machine) {
+  Verdict verdict;
+  if (!isChosen(options) && mesh.triangleCount > 0) {
+    const Diagnostics found = diagnose(mesh, {}, machine);
+    verdict = judge(found, {});
+    addThinnest(mesh, found, machine, verdict);
+  }
+  return chooseRepairGrid(mesh, verdict, options, repair, machine);
+}
+
+}  // namespace raymap

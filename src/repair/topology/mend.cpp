@@ -1,0 +1,126 @@
+#include "repair/topology/mend.h"
+
+#include <raymap/error.h>
+
+#include <algorithm>
+#include <iterator>
+#include <optional>
+#include <utility>
+
+#include "mesh/compact.h"
+#include "mesh/defects.h"
+#include "mesh/patches.h"
+#include "mesh/pieces.h"
+#include "repair/topology/base.h"
+#include "repair/topology/flat_holes.h"
+#include "repair/topology/keep.h"
+
+namespace raymap {
+
+namespace {
+
+bool isClosed(const Diagnostics& found) {
+  return found.watertight && found.consistentlyOriented;
+}
+
+/// Returns whether there is a part half of whose faces contradict the other half.
+bool isAnyUndecided(const Patches& patches) {
+  std::vector<size_t> faces(patches.count), reversed(patches.count);
+  for (size_t f = 0; f < patches.ids.size(); ++f) {
+    ++faces[patches.ids[f]];
+    reversed[patches.ids[f]] += patches.isReversed[f];
+  }
+  for (size_t p = 0; p < patches.count; ++p)
+    if (2 * reversed[p] == faces[p]) return true;
+  return false;
+}
+
+/// Turns the faces that contradict most faces of their part. Leaves the mesh as it is if that is not certain.
+std::vector<uint32_t> turnBack(Mesh& mesh) {
+  const Patches patches = findPatches(mesh);
+  if (isAnyUndecided(patches)) return {};
+  std::vector<uint32_t> turned = findFlippedFaces(patches);
+  turnFaces(mesh, turned);
+  if (diagnose(mesh, {.brief = true}).consistentlyOriented) return turned;
+  turnFaces(mesh, turned);
+  return {};
+}
+
+/// Turns outermost pieces that are inside out and of which some faces were turned. Updates `turned`, which
+/// has faces below `given` only.
+void turnOut(Mesh& mesh, size_t given, std::vector<uint32_t>& turned) {
+  if (turned.empty()) return;
+  Pieces found = findPieces(mesh);
+  nestPieces(mesh, 1, found);
+  std::vector<bool> isIn(found.pieces.size());
+  for (const uint32_t face : turned) isIn[found.ids[face]] = true;
+  std::vector<uint32_t> inward, others;
+  for (uint32_t f = 0; f < found.ids.size(); ++f) {
+    const Piece& piece = found.pieces[found.ids[f]];
+    if (isIn[found.ids[f]] && piece.isCavity() && piece.around == Piece::kNone) inward.push_back(f);
+  }
+  turnFaces(mesh, inward);
+  inward.erase(std::ranges::lower_bound(inward, uint32_t(given)), inward.end());
+  std::ranges::set_symmetric_difference(turned, inward, std::back_inserter(others));
+  turned = std::move(others);
+}
+
+/// Returns whether nothing is wrong with a mesh.
+bool isAllRight(const Mesh& mesh) {
+  const Diagnostics found = diagnose(mesh, {.brief = true});
+  if (!looksRight(found)) return false;
+  const SelfIntersections crossing = findSelfIntersections(mesh);
+  return crossesNowhere(crossing) && isRight(arrangeParts(mesh, found, crossing));
+}
+
+/// Joins the mesh to the base that is asked for. Returns the faces that do.
+FilledHoles addBase(Mesh& mesh, bool crossesNowhere, const RepairOptions& repair) {
+  const size_t before = mesh.triangles.size();
+  joinToBase(mesh, *repair.base, repair.down);
+  const FilledHoles filled = fillFlatHoles(mesh);
+  const bool isWhole = diagnose(mesh, {.brief = true}).boundaryEdges == 0;
+  if (!isWhole || (crossesNowhere && findSelfIntersections(mesh).pairs > 0))
+    throw Error(
+        ErrorCode::Input,
+        "no walls to a base close the mesh: its outline overlaps itself or faces of the mesh, seen along "
+        "the way down; give the sheet a thickness instead");
+  return {filled.holes, mesh.triangles.size() - before};
+}
+
+/// Fills all holes of a mesh with no other faults. Returns nothing if that does not make it right.
+std::optional<Mended> fillAll(const Mended& open, size_t given) {
+  Mended mended = open;
+  mended.filled = fillHoles(mended.mesh);
+  if (mended.filled.holes == 0) return {};
+  turnOut(mended.mesh, given, mended.turned);
+  mended.isRight = isAllRight(mended.mesh);
+  return mended.isRight ? std::optional(std::move(mended)) : std::nullopt;
+}
+
+}  // namespace
+
+Mended mend(const PackedMesh& mesh, const Diagnostics& found, const SelfIntersections& crossing,
+            Orientation orientation, const RepairOptions& repair, bool mayKeep) {
+  Mended mended{.mesh = weldedCopy(mesh)};
+  const size_t given = mesh.triangles.size();
+  const bool isUncrossed = crossesNowhere(crossing);
+  if (!found.consistentlyOriented && orientation != Orientation::Keep) mended.turned = turnBack(mended.mesh);
+  if (repair.base) {
+    mended.filled = addBase(mended.mesh, isUncrossed, repair);
+  } else if (repair.closeHoles && !found.watertight) {
+    const bool canBeRight = found.nonManifoldEdges + found.degenerateFaces + found.duplicateFaces == 0 &&
+                            (found.consistentlyOriented || !mended.turned.empty());
+    if (mayKeep && isUncrossed && canBeRight)
+      if (std::optional<Mended> filled = fillAll(mended, given)) return std::move(*filled);
+    mended.filled = fillFlatHoles(mended.mesh);
+  }
+  if (!mended.turned.empty()) {
+    if (!isClosed(diagnose(mended.mesh, {.brief = true})))
+      return mend(mesh, found, crossing, Orientation::Keep, repair, mayKeep);
+    turnOut(mended.mesh, given, mended.turned);
+  }
+  mended.isRight = mayKeep && isUncrossed && mended.isChanged() && isAllRight(mended.mesh);
+  return mended;
+}
+
+}  // namespace raymap

@@ -1,0 +1,35 @@
+#pragma once
+
+#include <raymap/diagnostics.h>
+#include <raymap/options.h>
+#include <raymap/repair.h>
+
+#include <optional>
+#include <vector>
+
+#include "mesh/packed_mesh.h"
+#include "repair/topology/fill_holes.h"
+
+namespace raymap {
+
+/// A mesh with what is certain mended: faces turned back, holes closed.
+struct Mended {
+  Mesh mesh = {};                     ///< The faces as given and in their order, then those that were added.
+  std::vector<uint32_t> turned = {};  ///< Faces that were turned, ascending.
+  FilledHoles filled = {};            ///< Holes that were closed. A base counts as filling.
+  bool isRight = false;               ///< Whether nothing is wrong with it now, so its faces can be kept.
+
+  bool isChanged() const { return !turned.empty() || filled.faces > 0; }
+};
+
+/// Mends a mesh without making its faces anew. `found` and `crossing` are what is wrong with it. Without
+/// `mayKeep` nobody wants to know whether the mesh is right afterwards.
+///
+/// Turns back the faces of a part that contradict most of its faces, and parts with such faces that are
+/// outermost and inside out then. Joins open edges to a base if one is asked
+/// for. Closes all holes if that makes the mesh right; else those that a plane closes (`fillFlatHoles`).
+/// Undoes turns that leave the mesh open or its faces at odds. Throws `Error(Input)` where there is no base.
+Mended mend(const PackedMesh& mesh, const Diagnostics& found, const SelfIntersections& crossing,
+            Orientation orientation, const RepairOptions& repair, bool mayKeep);
+
+}  // namespace raymap

@@ -1,0 +1,51 @@
+#include "repair/topology/rims.h"
+
+#include <algorithm>
+
+#include "mesh/half_edges.h"
+#include "mesh/loops.h"
+
+namespace raymap {
+
+namespace {
+
+/// Returns the edges that only one face uses, by their first vertex.
+std::vector<BorderEdge> findBorderEdges(const Mesh& mesh) {
+  Buffer<SortKey> keys;
+  const std::span<const SortKey> halfEdges = sortHalfEdges(mesh, unwelded(mesh.vertices.size()), keys);
+  std::vector<BorderEdge> edges;
+  forEachEdge(halfEdges, 0, halfEdges.size(), [&](std::span<const SortKey> edge) {
+    if (edge.size() != 1) return;
+    const HalfEdge only = halfEdgeOf(edge[0]);
+    const glm::uvec3& t = mesh.triangles[only.face];
+    edges.push_back({only.to(), only.from(), t.x ^ t.y ^ t.z ^ only.low ^ only.high});
+  });
+  std::ranges::sort(edges, {}, &BorderEdge::from);
+  return edges;
+}
+
+}  // namespace
+
+Rims findRims(const Mesh& mesh) {
+  const std::vector<BorderEdge> edges = findBorderEdges(mesh);
+  std::vector<bool> isUsed(edges.size());
+  const auto take = [&](uint32_t& place) {
+    auto e = size_t(std::ranges::lower_bound(edges, place, {}, &BorderEdge::from) - edges.begin());
+    while (e < edges.size() && edges[e].from == place && isUsed[e]) ++e;
+    if (e == edges.size() || edges[e].from != place) return kNoEdge;
+    isUsed[e] = true;
+    place = edges[e].to;
+    return uint32_t(e);
+  };
+  std::vector<uint32_t> starts;
+  for (const BorderEdge& edge : edges) starts.push_back(edge.from);
+  Rims rims;
+  traceLoops(mesh.vertices.size(), starts, take, [&](std::span<const LoopStep> steps, uint32_t end) {
+    if (end != steps[0].from) return rims.open.push_back(end);
+    Rim& rim = rims.closed.emplace_back();
+    for (const LoopStep& step : steps) rim.push_back(edges[step.edge]);
+  });
+  return rims;
+}
+
+}  // namespace raymap
