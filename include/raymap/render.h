@@ -79,6 +79,21 @@ RAYMAP_API Picture renderSlice(const Field& field, int axis, int index = -1, int
 RAYMAP_API Picture renderSlice(const SparseField& band, int axis, int index = -1, int width = 1024,
                                FieldArray array = FieldArray::Distance);
 
+/// Colours of evenly spaced numbers, the first and the last included.
+struct ColourBar {
+  double least = 0.0;
+  double most = 0.0;
+  std::vector<std::array<uint8_t, 3>> colours = {};  ///< In sRGB.
+};
+
+/// Returns `count` colours in which `renderField` draws an array on slices and cut faces. Distances, in the
+/// mesh's units, reach from the deepest colour inside to the deepest outside, which follow from
+/// `options.frame`, `iso` and `shell`; winding numbers from -1 to 2, confidences from 0 to 1. Throws
+/// `Error(Usage)` without a frame, for triangles, or if `count` is less than 2.
+RAYMAP_API ColourBar colourBar(const RenderOptions& options, int count = 256);
+/// Returns the same of the differences of two fields, which reach from `-range` to `range`.
+RAYMAP_API ColourBar differenceBar(double range, int count = 256);
+
 /// Differences of an array of two fields on the same grid. Errors of distances are in samples (distance over
 /// spacing), of winding numbers and confidences as they are, of triangles 0.
 struct Comparison {

@@ -334,6 +334,48 @@ TEST(Render, ShowsWindingNumbersAndConfidencesInColour) {
   EXPECT_EQ(refusal(field, options), ErrorCode::Usage);
 }
 
+TEST(ColourBar, HasTheColoursOfASlice) {
+  RenderOptions options = fromAbove();
+  options.frame = Box{glm::dvec3(-0.7), glm::dvec3(0.7)};
+  options.slice = Plane{{0.0, 0.0, 1.0}, 0.2001};
+  for (const double iso : {0.0, 0.05}) {
+    options.iso = iso;
+    const ColourBar bar = colourBar(options, 101);
+    ASSERT_EQ(bar.colours.size(), 101u);
+    EXPECT_NEAR(bar.least, -0.7, 1e-12);
+    EXPECT_NEAR(bar.most, iso + 0.7 * std::sqrt(3.0), 1e-12);
+    const Picture picture = renderField(ball(64, 0.7), options);
+    int alike = 0;
+    for (int y = 0; y < 120; ++y)
+      for (int x = 0; x < 120; ++x) {
+        const double d = glm::length(glm::dvec3((x - 59.5) / 100.0, (59.5 - y) / 100.0, 0.2)) - 0.7;
+        const auto& c = bar.colours[size_t(std::lround(100.0 * (d - bar.least) / (bar.most - bar.least)))];
+        const glm::ivec3 gap = glm::abs(pixelAt(picture, x, y) - glm::ivec3(c[0], c[1], c[2]));
+        alike += std::max({gap.x, gap.y, gap.z}) <= 6 ? 1 : 0;
+      }
+    EXPECT_GT(alike, 120 * 120 * 7 / 10);  // The others are lines.
+  }
+  options.shell = 0.1;
+  EXPECT_NEAR(colourBar(options).least, options.iso - 0.1, 1e-12);
+}
+
+TEST(ColourBar, HasWindingNumbersConfidencesAndDifferences) {
+  const ColourBar winding = colourBar({.array = FieldArray::Winding}, 4);
+  EXPECT_EQ(winding.least, -1.0);
+  EXPECT_EQ(winding.most, 2.0);
+  EXPECT_EQ(winding.colours[2], (std::array<uint8_t, 3>{116, 173, 214}));
+  EXPECT_EQ(colourBar({.array = FieldArray::Confidence}, 3).colours[1],
+            (std::array<uint8_t, 3>{36, 136, 128}));
+  const ColourBar difference = differenceBar(0.1, 3);
+  EXPECT_EQ(difference.least, -0.1);
+  EXPECT_EQ(difference.colours[0], (std::array<uint8_t, 3>{33, 102, 172}));
+  EXPECT_EQ(difference.colours[2], (std::array<uint8_t, 3>{178, 24, 43}));
+  EXPECT_THROW(colourBar({}), Error);
+  EXPECT_THROW(colourBar({.array = FieldArray::Triangle}), Error);
+  EXPECT_THROW(colourBar({.array = FieldArray::Winding}, 1), Error);
+  EXPECT_THROW(differenceBar(0.0), Error);
+}
+
 TEST(Render, ShowsTheDifferenceOfTwoFieldsInColour) {
   const Field field = ball(64, 0.7);
   const auto shown = [&](double radius, double range, int samples = 64) {
