@@ -53,6 +53,8 @@ set(IMGUI_LIBRARIES ${IMGUI_LIBRARY})
 if(STB_LIBRARY)
   list(APPEND IMGUI_LIBRARIES ${STB_LIBRARY})
 endif()
+# The panel's font, read when a window opens. Debian's and Ubuntu's, Arch's, Fedora's folders.
+find_file(VIEW_FONT DejaVuSans.ttf PATHS /usr/share/fonts PATH_SUFFIXES truetype/dejavu TTF dejavu-sans-fonts NO_DEFAULT_PATH)
 set(RAYMAP_CAN_VIEW OFF)
 if(glfw3_FOUND AND Vulkan_FOUND AND IMGUI_INCLUDE AND IMGUI_LIBRARY)
   set(RAYMAP_CAN_VIEW ON)

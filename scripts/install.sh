@@ -21,7 +21,7 @@ packages=(
   libcli11-dev                   # the command line
   libvulkan-dev libvulkan-volk-dev  # GPUs: headers, the loader's loader;
   mesa-vulkan-drivers vulkan-validationlayers  # and a GPU in software to test on, and checks of how it is used
-  libglfw3-dev libimgui-dev      # the window
+  libglfw3-dev libimgui-dev fonts-dejavu-core  # the window, and its font
   libgtest-dev python3-numpy     # tests
   python3-dev python3-venv       # the Python package; what it and its tests need from PyPI: scripts/python_env.sh
 )

@@ -7,6 +7,8 @@
 #include <array>
 #include <string>
 
+#include "look.h"
+
 namespace raymap::view {
 
 namespace {
@@ -40,13 +42,13 @@ void showPlaces(const DefectList& list, size_t first, const Defects& defects, Wi
 }  // namespace
 
 void showDefectList(ViewState& state, const Defects& defects, Wishes& wishes) {
-  ImGui::Checkbox("defects", &state.areDefectsShown);
+  ImGui::Checkbox(row("Defects").c_str(), &state.areDefectsShown);
   if (!state.areDefectsShown) return;
   ImGui::SameLine();
   if (defects.isBusy()) return ImGui::TextUnformatted("searching ...");
   if (!defects.error().empty()) return ImGui::TextWrapped("%s", defects.error().c_str());
   if (defects.lists().empty()) return ImGui::TextUnformatted("none");
-  if (ImGui::SmallButton("next")) wishes.nextPlace = true;
+  if (ImGui::Button("next")) wishes.nextPlace = true;
   size_t first = 0;
   for (const DefectList& list : defects.lists()) {
     const std::array<uint8_t, 3> colour = defectColour(list.defect);

@@ -149,17 +149,18 @@ void LivePicture::show(Frame& frame, const Input& input) {
   move(VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL, kRest);
 }
 
-void LivePicture::copyTo(VkCommandBuffer commands, VkImage target, VkExtent2D size) const {
+void LivePicture::copyTo(VkCommandBuffer commands, VkImage target, int32_t left) const {
   if (shown_.width == 0) {
     const VkClearColorValue colour{.float32 = {0.94F, 0.945F, 0.955F, 1.0F}};
     const VkImageSubresourceRange all{VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, 1};
     vkCmdClearColorImage(commands, target, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, &colour, 1, &all);
     return;
   }
-  const VkImageBlit whole{.srcSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1},
-                          .srcOffsets = {{}, {int32_t(shown_.width), int32_t(shown_.height), 1}},
-                          .dstSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1},
-                          .dstOffsets = {{}, {int32_t(size.width), int32_t(size.height), 1}}};
+  const VkImageBlit whole{
+      .srcSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1},
+      .srcOffsets = {{}, {int32_t(shown_.width), int32_t(shown_.height), 1}},
+      .dstSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1},
+      .dstOffsets = {{left, 0, 0}, {left + int32_t(size_.width), int32_t(size_.height), 1}}};
   vkCmdBlitImage(commands, picture().handle.get(), kRest, target, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1,
                  &whole, VK_FILTER_LINEAR);
 }

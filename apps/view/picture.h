@@ -33,10 +33,12 @@ class LivePicture {
   void record(Frame& frame, const Input& input, bool hasChanged);
   /// Returns whether the picture is as fine as the window, and up to date.
   bool isFinished() const { return isFinished_; }
+  /// Returns the share that is drawn of the finest picture.
+  double share() const { return isFinished_ ? 1.0 : divisor_ == 1 ? double(nextRow_) / size_.height : 0.0; }
 
-  /// Stretches the picture over an image in VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL.
-  void copyTo(VkCommandBuffer commands, VkImage target, VkExtent2D size) const;
-  /// Copies the depth at a point of the window to a buffer of a float, if it is in the window.
+  /// Stretches the picture over an image in VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, from `left` on.
+  void copyTo(VkCommandBuffer commands, VkImage target, int32_t left) const;
+  /// Copies the depth at a point of the picture to a buffer of a float, if it is in the picture.
   void copyDepth(VkCommandBuffer commands, const glm::dvec2& cursor, const Buffer& to) const;
   /// Copies the number of steps of the picture that is drawn, or 0, to a buffer.
   void copySteps(VkCommandBuffer commands, const Buffer& to) const;

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "defects.h"
+#include "legend.h"
 #include "live_field.h"
 #include "mesh_pass.h"
 
@@ -42,7 +43,7 @@ struct ViewState {
   std::string clip = {};
   std::optional<Box> box = {};  ///< Box of the grid of an animated mesh, which all its poses share.
   bool isMeasuring = false;
-  bool isHelpShown = false;
+  bool isHelpShown = false, isPanelShown = true;
 };
 
 /// Colours of the slice and the cut, some also of the surface.
@@ -73,8 +74,10 @@ struct PanelFigures {
   const Content& content;
   const Content* other = nullptr;  ///< The shape that is not shown; null: there is none.
   const Defects& defects;
-  std::string device = {};  ///< Name of the device, and whether it makes the fields.
-  std::string grid = {};    ///< The field's samples and spacing.
+  Legend legend = {};
+  std::optional<double> refined = {};  ///< Share of the finest picture that is drawn; none if all is.
+  std::string device = {};             ///< Name of the device, and whether it makes the fields.
+  std::string grid = {};               ///< The field's samples and spacing.
   std::vector<Frame::Time> times = {};
   bool isFieldMoved = false;               ///< Whether the field needed no time, as it moved.
   uint64_t fieldBytes = 0;                 ///< Memory of the device that the field and its making take.

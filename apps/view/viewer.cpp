@@ -94,7 +94,15 @@ class Viewer {
   static bool makesFieldsOnDevice(const Gpu& gpu, const std::string& device) {
     return device != "cpu" && (!gpu.isSoftware() || device.starts_with("vulkan"));
   }
-  WindowSize windowSize() const { return {int(swapchain_.size().width), int(swapchain_.size().height)}; }
+  /// Returns how many pixels the panel takes from the left of the picture.
+  int left() const {
+    const double scale = window_.scale();
+    const float points = float(swapchain_.size().width / scale);
+    return options_.state.isPanelShown ? int(std::lround(scale * panelWidth(points))) : 0;
+  }
+  WindowSize pictureSize() const {
+    return {int(swapchain_.size().width) - left(), int(swapchain_.size().height)};
+  }
   /// Returns whether time stands still until a picture is as fine as it will be.
   bool isStill() const { return isPictureWanted_ || recorder_; }
   Shown& shown() const { return *shapes_[options_.state.isSecondShown ? 1 : 0]; }
@@ -121,11 +129,12 @@ class Viewer {
   std::array<fs::file_time_type, 2> fileTimes() const;
   void watchFile();
   void resize();
+  void fitPicture();
   void step();
   void draw(Frame& frame, uint32_t image);
   void takeEvents();
   void take(const Window::Key& key);
-  void take(const Window::Mouse& mouse);
+  void take(Window::Mouse mouse);
   void click();
   void movePlane(const glm::dvec2& drag);
   void obey(const Wishes& wishes);
@@ -138,6 +147,8 @@ class Viewer {
   void writePictures();
   void endRecord();
   Picture readPicture() const;
+  Legend legend() const;
+  bool isRefining() const;
   PanelFigures figures() const;
   RenderOptions view() const;
   void goToPlace();
@@ -208,11 +219,11 @@ Viewer::Viewer(ViewerOptions& options)
       shapes_(load(options.input, options.other)),
       defects_{Defects(gpu_), Defects(gpu_)},
       gui_(window_, gpu_, swapchain_),
-      camera_(options.state.view, content().bounds, windowSize()) {
+      camera_(options.state.view, content().bounds, pictureSize()) {
   for (MovingPlane* plane : {&options.state.cut, &options.state.slice}) centre(*plane, content().bounds);
   for (Hover& hover : hovers_) hover.depth = gpu_.makeBuffer(sizeof(float), true);
   for (Steps& steps : steps_) steps.sum = gpu_.makeBuffer(sizeof(uint32_t), true);
-  picture_.resize(swapchain_.size());
+  fitPicture();
   setTitle();
   fileTimes_ = fileTimes();
   options_.state.isDifferenceShown = bool(other()) && options_.state.view.array == FieldArray::Distance;
@@ -286,7 +297,7 @@ void Viewer::show(const fs::path& first, const fs::path& second, bool isSameView
   options_.state.view.iso = options_.state.view.shell = 0.0;
   options_.state.cut = options_.state.slice = {};
   for (MovingPlane* plane : {&options_.state.cut, &options_.state.slice}) centre(*plane, content().bounds);
-  camera_.frame(content().bounds, windowSize());
+  camera_.frame(content().bounds, pictureSize());
   placeCamera();
 }
 
@@ -309,12 +320,21 @@ void Viewer::watchFile() {
   show(options_.input, options_.other, true);
 }
 
-/// A movie has pictures of one size, so it ends here.
 void Viewer::resize() {
-  endRecord();
   gpu_.waitIdle();
   swapchain_.resize(window_.size());
-  picture_.resize(swapchain_.size());
+  fitPicture();
+  lastView_.reset();
+}
+
+/// Gives the picture the size that the window and the panel leave. A movie has pictures of one size, so it
+/// ends.
+void Viewer::fitPicture() {
+  const VkExtent2D size{uint32_t(pictureSize().width), uint32_t(pictureSize().height)}, now = picture_.size();
+  if (now.width == size.width && now.height == size.height) return;
+  endRecord();
+  gpu_.waitIdle();
+  picture_.resize(size);
   lastView_.reset();
 }
 
@@ -362,6 +382,7 @@ void Viewer::step() {
   gui_.begin();
   obey(showPanel(options_.state, figures(), bool(recorder_)));
   takeEvents();
+  fitPicture();
   markPlace();
   draw(frame, *image);
   askHover(frame, slot);
@@ -403,8 +424,8 @@ RenderOptions Viewer::view() const {
   const ViewState& state = options_.state;
   RenderOptions view = state.view;
   camera_.place(view);
-  view.width = windowSize().width;
-  view.height = windowSize().height;
+  view.width = pictureSize().width;
+  view.height = pictureSize().height;
   view.cut = false;
   view.cutPlane = state.cut.plane();
   view.slice = state.slice.plane();
@@ -471,7 +492,7 @@ void Viewer::draw(Frame& frame, uint32_t image) {
   const VkCommandBuffer commands = frame.commands();
   moveImage(commands, swapchain_.image(image), VK_IMAGE_LAYOUT_UNDEFINED,
             VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
-  picture_.copyTo(commands, swapchain_.image(image), swapchain_.size());
+  picture_.copyTo(commands, swapchain_.image(image), left());
   moveImage(commands, swapchain_.image(image), VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL,
             VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL);
   swapchain_.beginOverlay(commands, image);
@@ -495,11 +516,12 @@ void Viewer::askHover(Frame& frame, size_t slot) {
   hover.eye.reset();
   const ImGuiIO& io = ImGui::GetIO();
   if (io.WantCaptureMouse || !ImGui::IsMousePosValid()) return;
-  const glm::dvec2 cursor = window_.scale() * glm::dvec2(io.MousePos.x, io.MousePos.y);
+  const glm::dvec2 cursor =
+      window_.scale() * glm::dvec2(io.MousePos.x, io.MousePos.y) - glm::dvec2(left(), 0.0);
   *static_cast<float*>(hover.depth.mapped) = std::numeric_limits<float>::max();
   picture_.copyDepth(frame.commands(), cursor, hover.depth);
   hover.eye = camera_.eye();
-  hover.ray = camera_.ray(cursor, windowSize());
+  hover.ray = camera_.ray(cursor, pictureSize());
 }
 
 void Viewer::readSteps(size_t slot) {
@@ -531,7 +553,7 @@ void Viewer::take(const Window::Key& pressed) {
     if (key == GLFW_KEY_V) {
       try {
         options_.apply(window_.paste(), state);
-        camera_ = Camera(state.view, content().bounds, windowSize());
+        camera_ = Camera(state.view, content().bounds, pictureSize());
       } catch (const Error& error) {
         message_ = error.what();
       }
@@ -555,6 +577,7 @@ void Viewer::take(const Window::Key& pressed) {
   if (key == GLFW_KEY_D) state.areDefectsShown = !state.areDefectsShown;
   if (key == GLFW_KEY_SPACE) state.isPlaying = !state.isPlaying;
   if (key == GLFW_KEY_M) state.isMeasuring = !state.isMeasuring;
+  if (key == GLFW_KEY_P) state.isPanelShown = !state.isPanelShown;
   if (key == GLFW_KEY_H) state.isHelpShown = !state.isHelpShown;
   if (key == GLFW_KEY_Q) window_.close();
   obey(wishes);
@@ -568,8 +591,8 @@ void Viewer::movePlane(const glm::dvec2& drag) {
   const glm::dvec3 centre = content().bounds.centre();
   const glm::dvec3 on = centre + (plane.offset - glm::dot(plane.normal, centre)) * plane.normal;
   const double unit = 1e-3 * glm::length(content().bounds.size());
-  const glm::dvec3 from = camera_.project(on, windowSize()),
-                   to = camera_.project(on + unit * plane.normal, windowSize());
+  const glm::dvec3 from = camera_.project(on, pictureSize()),
+                   to = camera_.project(on + unit * plane.normal, pictureSize());
   const glm::dvec2 along(to.x - from.x, to.y - from.y);
   const double length2 = glm::dot(along, along);
   // Seen along its normal, a plane does not move across the window: up is towards the eye.
@@ -577,8 +600,9 @@ void Viewer::movePlane(const glm::dvec2& drag) {
   plane.offset += unit * steps;
 }
 
-void Viewer::take(const Window::Mouse& mouse) {
+void Viewer::take(Window::Mouse mouse) {
   using Kind = Window::Mouse::Kind;
+  mouse.cursor.x -= left();
   const bool isOverPanel = ImGui::GetIO().WantCaptureMouse;
   const glm::dvec2 moved = mouse.cursor - std::exchange(cursor_, mouse.cursor);
   if (mouse.kind == Kind::Press && !isOverPanel) {
@@ -587,15 +611,15 @@ void Viewer::take(const Window::Mouse& mouse) {
     if (drag_->length < 3.0 && mouse.button == GLFW_MOUSE_BUTTON_LEFT) click();
     drag_.reset();
   } else if (mouse.kind == Kind::Wheel && !isOverPanel) {
-    camera_.zoom(std::pow(0.88, mouse.wheel), mouse.cursor, windowSize());
+    camera_.zoom(std::pow(0.88, mouse.wheel), mouse.cursor, pictureSize());
   } else if (mouse.kind == Kind::Move && drag_) {
     drag_->length += glm::length(moved);
     if (drag_->start.button != GLFW_MOUSE_BUTTON_LEFT || drag_->start.hasShift)
-      camera_.pan(moved, windowSize());
+      camera_.pan(moved, pictureSize());
     else if (drag_->start.hasControl)
       movePlane(moved);
     else
-      camera_.orbit(moved, windowSize());
+      camera_.orbit(moved, pictureSize());
   }
   placeCamera();
 }
@@ -614,7 +638,7 @@ void Viewer::click() {
 }
 
 void Viewer::obey(const Wishes& wishes) {
-  if (wishes.frame) camera_.frame(content().bounds, windowSize());
+  if (wishes.frame) camera_.frame(content().bounds, pictureSize());
   if (wishes.axis != 0) {
     glm::dvec3 direction(0.0);
     direction[std::abs(wishes.axis) - 1] = wishes.axis > 0 ? -1.0 : 1.0;
@@ -634,7 +658,7 @@ void Viewer::obey(const Wishes& wishes) {
   if (!wishes.record) return;
   if (recorder_) return endRecord();
   try {
-    recorder_ = options_.record(windowSize().width, windowSize().height, options_.fps);
+    recorder_ = options_.record(pictureSize().width, pictureSize().height, options_.fps);
   } catch (const Error& error) {
     message_ = error.what();
   }
@@ -647,7 +671,7 @@ void Viewer::goToPlace() {
   constexpr double kSurroundings = 2.5, kLeast = 0.03;  // Shares of its own size, and of the mesh's.
   const double size =
       std::max(kSurroundings * place->diameter, kLeast * glm::length(content().bounds.size()));
-  camera_.frame({place->centre - 0.5 * size, place->centre + 0.5 * size}, windowSize());
+  camera_.frame({place->centre - 0.5 * size, place->centre + 0.5 * size}, pictureSize());
 }
 
 void Viewer::goToNextPlace(int step) {
@@ -658,14 +682,14 @@ void Viewer::goToNextPlace(int step) {
 void Viewer::markPlace() const {
   const DefectPlace* place = defects().place();
   if (!place || !options_.state.areDefectsShown) return;
-  const glm::dvec3 at = camera_.project(place->centre, windowSize());
+  const glm::dvec3 at = camera_.project(place->centre, pictureSize());
   if (!(at.z > 0.0)) return;
   const glm::dvec3 beside =
-      camera_.project(place->centre + 0.5 * place->diameter * camera_.right(), windowSize());
+      camera_.project(place->centre + 0.5 * place->diameter * camera_.right(), pictureSize());
   constexpr double kLeastRadius = 12.0;
   const double radius = std::max(1.2 * (beside.x - at.x), kLeastRadius), scale = window_.scale();
-  ImGui::GetBackgroundDrawList()->AddCircle({float(at.x / scale), float(at.y / scale)}, float(radius / scale),
-                                            IM_COL32(214, 30, 40, 255), 0, 2.0F);
+  ImGui::GetBackgroundDrawList()->AddCircle({float((left() + at.x) / scale), float(at.y / scale)},
+                                            float(radius / scale), IM_COL32(214, 30, 40, 255), 0, 2.0F);
 }
 
 std::string Viewer::command() const {
@@ -696,13 +720,25 @@ Picture Viewer::readPicture() const {
   return picture;
 }
 
+Legend Viewer::legend() const {
+  const RenderOptions now = view();
+  if (!compared()) return legendOf(now, {});
+  const double spacing = shown().field.isReady() ? shown().field.grid().spacing : 1.0;
+  return legendOf(now, now.range > 0.0 ? now.range : spacing);
+}
+
+/// Returns whether the picture, or its field, is not yet as fine as it will be. One that is played never is.
+bool Viewer::isRefining() const {
+  return !(options_.state.isPlaying && !isStill()) && !(picture_.isFinished() && shown().field.isCurrent());
+}
+
 PanelFigures Viewer::figures() const {
   const LiveField& field = shown().field;
   std::string grid = "no field yet";
   if (field.isReady()) {
     const glm::ivec3 dims = field.grid().dims;
     char text[128];
-    std::snprintf(text, sizeof text, "%d x %d x %d samples%s, spacing %.4g%s", dims.x, dims.y, dims.z,
+    std::snprintf(text, sizeof text, "%d x %d x %d%s\nspacing %.4g%s", dims.x, dims.y, dims.z,
                   content().band ? ", a narrow band" : "", field.grid().spacing,
                   field.isBusy() ? " ..." : "");
     grid = text;
@@ -713,6 +749,8 @@ PanelFigures Viewer::figures() const {
   return {.content = content(),
           .other = other() ? &other()->content : nullptr,
           .defects = defects(),
+          .legend = legend(),
+          .refined = isRefining() ? std::optional(picture_.share()) : std::nullopt,
           .device = gpu_.name() + (field.isOnDevice() ? ", makes the fields" : ", fields by the CPU"),
           .grid = grid,
           .times = std::move(times),

@@ -7,6 +7,8 @@
 #include <imgui_impl_vulkan.h>
 #include <raymap/error.h>
 
+#include "look.h"
+
 namespace raymap::view {
 
 namespace {
@@ -143,13 +145,9 @@ Gui::Gui(const Window& window, const Gpu& gpu, const Swapchain& swapchain) {
   pool_ = own(gpu.device(), pool, vkDestroyDescriptorPool);
   ImGui::CreateContext();
   ImGui::GetIO().IniFilename = nullptr;  // Nothing is written to the folder where it runs.
-  ImGui::StyleColorsLight();
   float scale = 1.0F;
   glfwGetWindowContentScale(window.handle(), &scale, nullptr);
-  ImGui::GetStyle().ScaleAllSizes(scale);
-  ImFontConfig font13;
-  font13.SizePixels = 13.0F * scale;
-  ImGui::GetIO().Fonts->AddFontDefault(&font13);
+  setLook(RAYMAP_VIEW_FONT, scale, window.scale());
   ImGui_ImplGlfw_InitForVulkan(window.handle(), true);
   ImGui_ImplVulkan_InitInfo info{};
   info.Instance = gpu.handles().instance;

@@ -24,7 +24,9 @@ from x11_events import Display
 
 RAYMAP = str(pathlib.Path(sys.argv.pop(1)).resolve()) if len(sys.argv) > 1 else None
 SMALL = (260, 150)  # A device in software takes its time for every pixel.
-BESIDE_PANEL = (520, 300)  # The mouse reaches the picture beside the panel.
+BESIDE_PANEL = (520, 300)  # The mouse reaches the picture beside the panel, which lies over a part of it.
+WIDE = (640, 480)  # The picture and the panel lie side by side.
+BORDER = (127, 134, 143)  # Of boxes and of the mark of a picture that is not finished.
 LONG = 240  # Seconds after which a test gives up; nothing is measured.
 
 
@@ -78,6 +80,13 @@ def differ(a, b):
 def count_near(picture, colour):
     """Returns the number of pixels that have a colour but for rounding."""
     return (np.abs(picture.astype(int) - colour).max(axis=2) <= 2).sum()
+
+
+def contrast(a, b):
+    """Returns how many times more light one colour has than another, as the guidelines for web pages count it."""
+    linear = [np.where(c <= 0.04045, c / 12.92, ((c + 0.055) / 1.055)**2.4) for c in (np.asarray(a) / 255, np.asarray(b) / 255)]
+    dark, light = sorted(colour @ (0.2126, 0.7152, 0.0722) for colour in linear)
+    return (light + 0.05) / (dark + 0.05)
 
 
 def vector_of(command, option):
@@ -144,6 +153,15 @@ class Window:
         width, height = (int(line.split("=")[1]) for line in self.tool("getwindowgeometry", "--shell", self.id).split()[3:5])
         return self.display.pixels(int(self.id), width, height)
 
+    def settled(self, before=None):
+        """Returns what the window shows once that rests, and differs from before."""
+        def same():
+            first = self.shown()
+            time.sleep(0.8)  # It draws at least once in a quarter of a second.
+            rests = (first == self.shown()).all() and (before is None or (first != before).any())
+            return [first] if rests else []
+        return self.until(same)[0]
+
     def lines(self, count):
         lines = self.out.read_text().split("\n")[:-1]
         return lines if len(lines) >= count else None
@@ -175,7 +193,7 @@ class ViewTest(unittest.TestCase):
         # It writes the number of its display to the pipe once one can connect. It would start again, and refuse
         # connections meanwhile, whenever the last one ends.
         ours, its = os.pipe()
-        cls.server = subprocess.Popen(["Xvfb", "-noreset", "-displayfd", str(its), "-screen", "0", "1280x900x24"],
+        cls.server = subprocess.Popen(["Xvfb", "-noreset", "-displayfd", str(its), "-screen", "0", "1920x1080x24"],
                                       pass_fds=[its], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
         os.close(its)
         with open(ours) as number:
@@ -271,6 +289,104 @@ class ViewTest(unittest.TestCase):
             gaps += [np.abs(shown[:, -1] - shown[:, -4]).max(), np.abs(shown[-1, -100:] - shown[-4, -100:]).max()]
         self.assertGreater(len(gaps), 10)
         self.assertLess(max(gaps), 4)
+        self.close()
+
+    def test_lays_the_picture_beside_the_panel(self):
+        for width, height in (WIDE, (1280, 800)):
+            window = self.open(self.mesh, "--resolution", "24", size=(width, height))
+            picture, command = window.picture()
+            left = width - picture.shape[1]
+            self.assertTrue(width / 5 < left < 0.6 * width, left)
+            self.assertLess(differ(window.settled()[:, left:], picture)[1], 0.001)
+            self.check_as_render(picture, command)
+            # The shape is in the middle. To its right, the ground has a colour for each row.
+            columns = np.flatnonzero((np.abs(picture.astype(int) - picture[:, -1:]).max(axis=2) > 60).any(axis=0))
+            self.assertLess(abs(columns[0] + columns[-1] - picture.shape[1]), 0.1 * picture.shape[1])
+            window.keys("p")
+            self.assertEqual(window.picture()[0].shape, (height, width, 3))
+            self.close()
+
+    def test_finds_the_point_under_the_cursor_beside_the_panel(self):
+        width, height = WIDE
+        window = self.open(self.cube("cube.obj"), "--resolution", "24", "--iso", "0.01", size=WIDE)
+        picture, command = window.picture()
+        left = width - picture.shape[1]
+        at = np.array([left + 180, 220])
+        window.tool("mousemove", *at)
+        window.settled()
+        window.tool("click", "--repeat", 2, "--delay", 20, 1)
+        moved = window.picture()[1]
+        eye, forward, up = (vector_of(command, option) for option in ("--eye", "--direction", "--up"))
+        # The camera turns around this point now, from as far away as before around the middle of the cube.
+        way = vector_of(moved, "--eye") + np.linalg.norm(eye - 0.5) * forward - eye
+        right = np.cross(forward, up) / np.linalg.norm(np.cross(forward, up))
+        scale = height / (2 * np.tan(np.radians(15)) * (way @ forward))
+        place = [left + picture.shape[1] / 2 + scale * (way @ right), height / 2 - scale * (way @ np.cross(right, forward))]
+        np.testing.assert_allclose(place, at, atol=1.5)
+        self.close()
+
+    def test_help_fits_the_window(self):
+        for size in ((320, 240), WIDE, (1280, 800), (1920, 1080)):
+            with self.subTest(size):
+                window = self.open(self.mesh, "--resolution", "24", size=size)
+                window.tool("mousemove", 1, 1)  # Nothing is under the cursor.
+                window.picture()
+                before = window.settled()
+                window.keys("h")
+                after = window.settled(before)
+                rows, columns = np.nonzero((before != after).any(axis=2))
+                self.assertGreaterEqual(min(rows.min(), columns.min()), 4)
+                self.assertLess(rows.max(), size[1] - 4)
+                self.assertLess(columns.max(), size[0] - 4)
+                if size[0] > 320:  # A smaller one has a bar to scroll. No text reaches the margin, where it would be cut off.
+                    margin = after[rows.min() + 30:rows.max() - 5, columns.max() - 8:columns.max() - 2]
+                    self.assertTrue((margin == margin[0, 0]).all())
+                window.keys("h")
+                self.assertTrue((window.settled(after) == before).all())
+                self.close()
+
+    def test_boxes_that_are_not_ticked_are_seen(self):
+        window = self.open(self.mesh, "--resolution", "24", size=(640, 800))
+        window.picture()
+        before = window.settled()
+        window.keys("m")
+        rows, columns = np.nonzero((window.settled(before) != before).any(axis=2))  # The tick of "Measure".
+        line = before[(rows.min() + rows.max()) // 2]
+        ground = line[columns.min() - 25]
+        self.assertGreater(max(contrast(colour, ground) for colour in line[columns.min() - 10:columns.min()]), 3)
+        self.close()
+
+    def test_text_has_the_scale_of_the_screen(self):
+        widths = []
+        for scale in (1, 2):
+            root = Display(self.display)
+            self.addCleanup(root.close)
+            self.addCleanup(root.set_scale, 1)
+            root.set_scale(scale)
+            window = self.open(self.mesh, "--resolution", "24", size=WIDE)
+            widths.append(window.picture()[0].shape[1])
+            labels = window.settled()[:, 20 * scale:80 * scale].reshape(-1, 3).astype(int)
+            greys = labels[np.ptp(labels, axis=1) < 16]
+            self.assertGreater(len(np.unique(greys, axis=0)), 100)  # Edges of letters are smooth.
+            self.close()
+        self.assertEqual(widths[1], 2 * widths[0])
+
+    def test_shows_what_colours_mean_and_that_a_picture_is_not_finished(self):
+        window = self.open(self.mesh, "--resolution", "24", size=WIDE)
+        picture = window.picture()[0]
+        settled = window.settled()
+        # A bar from the deepest colour inside to the deepest outside, with a dark line at 0.
+        bars = [row for row in settled[:, :WIDE[0] - picture.shape[1]]
+                if all(count_near(row[None], colour) for colour in ((38, 84, 148), (206, 104, 52), (28, 30, 34)))]
+        self.assertGreater(len(bars), 5)
+        corner = np.s_[:40, -120:]
+        self.assertEqual(count_near(settled[corner], BORDER), 0)
+        window.keys("3", "s")
+        marks = []
+        while not window.lines(4):
+            marks.append(count_near(window.shown()[corner], BORDER))
+        self.assertGreater(max(marks), 50)
+        self.assertEqual(count_near(window.settled()[corner], BORDER), 0)
         self.close()
 
     def test_copies_a_view_and_takes_it_back(self):

@@ -91,6 +91,12 @@ class Display:
         kind = self.atom("WM_STATE")
         self.call("XChangeProperty", window, kind, kind, 32, REPLACE, bytes((c_long * 2)(state, 0)), 2)
 
+    def set_scale(self, scale):
+        """Sets the scale of the screen, for programs that start from now on."""
+        root, text = self.call("XDefaultRootWindow"), f"Xft.dpi:\t{96 * scale}\n".encode()
+        self.call("XChangeProperty", root, self.atom("RESOURCE_MANAGER"), self.atom("STRING"), 8, REPLACE, text, len(text))
+        self.call("XSync", 0)
+
     def drop(self, window, paths, patience):
         """Drops files on a window, by version 5 of the protocol XDND. Returns whether it took them."""
         source = self.call("XCreateSimpleWindow", self.call("XDefaultRootWindow"), 0, 0, 1, 1, 0, 0, 0)
