@@ -14,7 +14,7 @@ using glm::dvec2;
 using glm::dvec3;
 using std::numbers::pi;
 
-constexpr double kSpacing = 0.039;  // About 95,000 triangles.
+constexpr double kSpacing = 0.039, kFineSpacing = 0.0098;  // About 95,000 and 1.6 million triangles.
 
 // Solids are functions that are negative inside. A union is a minimum, an intersection a maximum.
 
@@ -118,8 +118,8 @@ bool isTorn(const dvec3& p) {
 
 }  // namespace
 
-Mesh makeExampleMesh(bool holes) {
-  Mesh mesh = meshImplicit(globe, {{-1.7, -2.3, -1.3}, {1.7, 2.1, 1.3}}, kSpacing);
+Mesh makeExampleMesh(bool holes, bool isFine) {
+  Mesh mesh = meshImplicit(globe, {{-1.7, -2.3, -1.3}, {1.7, 2.1, 1.3}}, isFine ? kFineSpacing : kSpacing);
   if (holes)
     std::erase_if(mesh.triangles, [&](const glm::uvec3& t) {
       return isTorn((mesh.position(t.x) + mesh.position(t.y) + mesh.position(t.z)) / 3.0);

@@ -225,6 +225,7 @@ constexpr OptionRow kRows[] = {
     {"--fast", "", "Method", Nothing, "", "",
      "Do not count crossing pairs of faces, nor measure the thickness: takes less than half of the time"},
     {"--holes", "", "Method", Nothing, "", "", "Tear holes into the mesh"},
+    {"--fine", "", "Method", Nothing, "", "", "Write 1.6 million triangles, without steps at edges"},
     {"--test", "", "Method", Text, "[vulkan:K]", "",
      "Test this GPU, or every one: compare every stage and whole fields with the CPU"},
 

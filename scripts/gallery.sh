@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Makes the pictures of docs/gallery.md, of meshes that belong to the project: docs/images/gallery_*. Everything on the
-# way lies in out/gallery. Needs a build with a window, ImageMagick, Xvfb, xdotool and chromium.
+# Makes the pictures of docs/gallery.md, of meshes that belong to the project: docs/images/gallery_*, and the first one of
+# README. Everything on the way lies in out/gallery. Needs a build with a window, ImageMagick, Xvfb, xdotool and chromium.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 for tool in convert import Xvfb xdotool chromium; do
@@ -24,8 +24,10 @@ keep() { # a picture, in this size and few colours: pictures in a repository sho
 stills=(--size 400 300)
 raymap example -o globe.ply
 raymap example -o torn.ply --holes
+raymap example -o fine.ply --fine
 raymap generate globe.ply -o globe.vdb --resolution 256 --overwrite
 raymap generate torn.ply -o torn.nrrd --resolution 192 --overwrite
+raymap render fine.ply -o globe.png --resolution 512
 raymap render globe.vdb -o half.png "${stills[@]}" --cut --shell 0.04
 raymap render globe.vdb -o plane.png "${stills[@]}" --cut-plane 0,1,0,0.4 --direction -0.5,-1.1,-1
 raymap render globe.vdb -o slice.png "${stills[@]}" --cut-plane 0.3,0,1,0 --slice-plane 0.3,0,1,0
@@ -35,6 +37,7 @@ raymap render torn.nrrd -o torn_field.png "${stills[@]}"
 raymap render bowl.obj -o bowl.png "${stills[@]}" --direction -0.4,-0.8,-1 --thickness 0.06 --resolution 192
 raymap render walker.glb --frames 0:23 -o walk.%02d.png --size 150 180 --direction -0.8,-0.2,-0.6 --resolution 128
 raymap render globe.vdb -o globe.html --cut
+cp globe.png "$images/globe.png"
 for picture in half plane slice grown torn torn_field bowl; do keep $picture.png 400x300; done
 convert -delay 4 -loop 0 walk.??.png +dither -colors 40 -layers optimize "$images/gallery_walk.gif"
 
@@ -43,13 +46,13 @@ chromium --headless=new --no-sandbox --hide-scrollbars --window-size=900,640 --v
   --screenshot="$PWD/page.png" "file://$PWD/globe.html" 2>/dev/null
 keep page.png 675x480
 exec 3>display.txt
-Xvfb -displayfd 3 -screen 0 1000x700x24 2>/dev/null &
+Xvfb -displayfd 3 -screen 0 1000x740x24 2>/dev/null &
 server=$!
 trap 'kill $server' EXIT
 until [[ -s display.txt ]]; do sleep 0.1; done
 DISPLAY=":$(<display.txt)"
 export DISPLAY
-"$raymap" view globe.ply --size 1000 700 --resolution 128 --cut-plane 0,0,1,0 --slice-plane 0,1,0,-1.2 >view.txt &
+"$raymap" view globe.ply --size 1000 740 --resolution 128 --cut-plane 0,0,1,0 --slice-plane 0,1,0,-1.2 >view.txt &
 viewer=$!
 window=$(xdotool search --sync --onlyvisible --pid "$viewer" | head -1)
 xdotool windowfocus --sync "$window" key --window "$window" s # It writes a picture once that is as fine as it will be.
@@ -57,5 +60,5 @@ until grep -q wrote view.txt; do sleep 0.2; done
 import -window root window.png
 xdotool key --window "$window" q
 wait "$viewer"
-keep window.png 750x525
+keep window.png 750x555
 ls -l "$images"/gallery_*
