@@ -7,6 +7,7 @@
 #include "checks.h"
 #include "commands.h"
 #include "field_array.h"
+#include "field_options.h"
 #include "options.h"
 #include "report.h"
 #include "terminal.h"
@@ -31,6 +32,7 @@ struct CompareArguments {
   StreamFormat format;
   fs::path a, b, picture;
   std::string as;
+  size_t memoryLimit = 0;
   bool isJson = false, mayOverwrite = false;
 };
 
@@ -120,6 +122,7 @@ void addCompare(CLI::App& app) {
   addOption(*command, "--grid", arguments->format.grid);
   addOption(*command, "--as", arguments->as);
   addOption(*command, "--overwrite", arguments->mayOverwrite);
+  addMemoryLimit(*command, arguments->memoryLimit);
   addJsonOption(*command, arguments->isJson);
   command->footer(kCompareFooter);
   command->callback([arguments] { run(*arguments); });

@@ -26,6 +26,7 @@ struct ConvertArguments {
   bool mayOverwrite = false, half = false;
   std::string gridName;
   MeshUnits units;
+  size_t memoryLimit = 0;
 };
 
 /// Returns the formats in which the input can be written, as far as its name tells.
@@ -199,6 +200,7 @@ void addConvert(CLI::App& app) {
       "  raymap convert body.vdb hull.vdb -o both.vdb     (its grids are 'body' and 'hull')\n"
       "  raymap convert car.glb -o car.3mf --unit mm --up y");
   addMeshOutputOptions(*command, arguments->units);
+  addMemoryLimit(*command, arguments->memoryLimit);
   command->callback([arguments] { run(*arguments); });
 }
 

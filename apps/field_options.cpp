@@ -2,6 +2,7 @@
 
 #include <raymap/error.h>
 #include <raymap/io.h>
+#include <raymap/memory.h>
 #include <raymap/names.h>
 
 #include <string>
@@ -43,9 +44,14 @@ void addGridOptions(CLI::App& command, FieldArguments& arguments) {
       ->excludes(addOption(command, "--bounds", arguments.bounds));
 }
 
+void addMemoryLimit(CLI::App& command, size_t& limit) {
+  addOption(command, "--memory-limit", limit);
+  command.parse_complete_callback([&limit] { limitMemory(limit, true); });
+}
+
 void addCpuOptions(CLI::App& command, MachineOptions& machine) {
   addOption(command, "--threads", machine.threads);
-  addOption(command, "--memory-limit", machine.memoryLimit);
+  addMemoryLimit(command, machine.memoryLimit);
 }
 
 void addMachineOptions(CLI::App& command, MachineOptions& machine) {

@@ -32,6 +32,8 @@ void addFieldOptions(CLI::App& command, FieldArguments& arguments);
 void addSpacingOptions(CLI::App& command, GridOptions& grid);
 void addMethodOptions(CLI::App& command, FieldArguments& arguments);
 void addGridOptions(CLI::App& command, FieldArguments& arguments);
+/// Adds the limit, which counts for all of the process from the end of parsing on.
+void addMemoryLimit(CLI::App& command, size_t& limit);
 void addCpuOptions(CLI::App& command, MachineOptions& machine);
 void addMachineOptions(CLI::App& command, MachineOptions& machine);
 

@@ -310,10 +310,9 @@ int slabThickness(const Surface& surface, const Grid& grid, const RegionOptions&
   auto planes = int(std::max<size_t>(kManySamples / plane, 1));
   if (planes > kBest) planes -= planes % kBest;
   planes = std::min(planes, grid.dims.z);
-  const auto fits = [&] {
-    return machine.memoryLimit == 0 ||
-           slabBytes(surface, grid, planes, options, machine) <= machine.memoryLimit;
-  };
+  const size_t left = memoryLeft(), held = surface.bytes();
+  const size_t most = held + std::min(left, SIZE_MAX - held);
+  const auto fits = [&] { return slabBytes(surface, grid, planes, options, machine) <= most; };
   while (planes > 1 && !fits()) planes = planes > kBest ? (planes - 1) / kBest * kBest : planes / 2;
   return planes;
 }

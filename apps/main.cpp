@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <exception>
 #include <string>
+#include <system_error>
 #include <vector>
 
 #include "commands.h"
@@ -55,6 +56,13 @@ int fail(int code, const std::string& message) {
   printError(message);
   return code;
 }
+
+int failAsBug(const std::exception& error) {
+  return fail(1, std::string("this is a bug, please report it: ") + error.what());
+}
+
+constexpr const char* kOutOfMemory =
+    "out of memory; use a lower resolution, or allow more by --memory-limit where it is given";
 
 /// Returns the command that was understood, for example "raymap generate".
 std::string commandName(const CLI::App& app) {
@@ -140,8 +148,11 @@ int main(int argc, char** argv) {
     const bool isStopped = error.code() == ErrorCode::Cancelled && caughtSignal() != 0;
     return fail(isStopped ? 128 + caughtSignal() : exitCodeOf(error.code()), error.what());
   } catch (const std::bad_alloc&) {
-    return fail(exitCodeOf(ErrorCode::Memory), "out of memory; use a lower resolution");
+    return fail(exitCodeOf(ErrorCode::Memory), kOutOfMemory);
+  } catch (const std::system_error& error) {
+    const bool isMemory = error.code() == std::errc::resource_unavailable_try_again;  // For a thread.
+    return isMemory ? fail(exitCodeOf(ErrorCode::Memory), kOutOfMemory) : failAsBug(error);
   } catch (const std::exception& error) {
-    return fail(1, std::string("this is a bug, please report it: ") + error.what());
+    return failAsBug(error);
   }
 }

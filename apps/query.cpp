@@ -109,17 +109,13 @@ std::vector<glm::dvec3> loadPoints(const fs::path& path, const std::string& form
   return readPoints(path, {.format = format, .warn = warn});
 }
 
-/// Returns how much of the limit is left when points and results are held too; 0: no limit.
-size_t limitLeft(const QueryArguments& arguments, size_t resultBytes, size_t points) {
-  const size_t limit = arguments.machine.memoryLimit;
-  if (limit == 0) return 0;
-  const size_t bytes = (sizeof(glm::dvec3) + resultBytes) * points;
-  if (bytes >= limit)
-    throw Error(ErrorCode::Memory, counted(points, "point") + " and their results need " + sizeText(bytes) +
-                                       ", which leaves nothing of the " + sizeText(limit) +
-                                       " of --memory-limit for " + displayName(arguments.input) +
-                                       "; split the file of points, or allow more");
-  return limit - bytes;
+/// Throws `Error(Memory)` if the results do not fit.
+void checkResults(size_t bytesPerPoint, size_t points) {
+  const size_t bytes = bytesPerPoint * points;
+  if (const size_t left = memoryLeft(); bytes > left)
+    throw Error(ErrorCode::Memory, "the results of " + counted(points, "point") + " need " + sizeText(bytes) +
+                                       ", but only " + sizeText(left) +
+                                       " are left; split the file of points, or allow more memory");
 }
 
 size_t resultBytes(const QueryOptions& asked) {
@@ -128,9 +124,7 @@ size_t resultBytes(const QueryOptions& asked) {
   return bytes;
 }
 
-Surface prepare(const Mesh& mesh, const QueryArguments& arguments, size_t memoryLimit,
-                MachineOptions machine) {
-  machine.memoryLimit = memoryLimit;
+Surface prepare(const Mesh& mesh, const QueryArguments& arguments, const MachineOptions& machine) {
   return Surface(mesh,
                  {.sign = arguments.isUnsigned ? SignMode::None : SignMode::Harmonic,
                   .orientation = fromName<Orientation>(arguments.orientation),
@@ -239,10 +233,10 @@ void queryMesh(const Mesh& mesh, const QueryArguments& arguments, const QueryOpt
   {
     ProgressLine line;
     const MachineOptions machine = withProgress(arguments.machine, line);
-    const Surface surface =
-        prepare(mesh, arguments, limitLeft(arguments, resultBytes(asked), points.size()), machine);
+    const Surface surface = prepare(mesh, arguments, machine);
     report.surface = surface.stats();
     report.surfaceBytes = surface.bytes();
+    checkResults(resultBytes(asked), points.size());
     timeStep(report.after, "query", [&] { surface.query(points, asked, result, machine); });
   }
   timeStep(report.after, "write", [&] {
@@ -266,23 +260,6 @@ void checkOfField(const QueryArguments& arguments) {
                                         .append(" is one of meshes")
                                         .append(isField)
                                         .append(", which has distance and gradient"));
-}
-
-size_t bytesOf(const Field& field) {
-  return field.distance.capacityBytes();
-}
-size_t bytesOf(const SparseField& band) {
-  return band.bytes();
-}
-
-template <class AnyField>
-void checkMemory(const AnyField& field, const QueryArguments& arguments, size_t points) {
-  constexpr size_t kResultBytes = sizeof(float) + sizeof(glm::vec3);
-  const size_t left = limitLeft(arguments, kResultBytes, points), bytes = bytesOf(field);
-  if (left > 0 && bytes > left)
-    throw Error(ErrorCode::Memory, arguments.input.string() + ": the field takes " + sizeText(bytes) +
-                                       ", and " + sizeText(left) +
-                                       " of --memory-limit are left for it; allow more");
 }
 
 /// Returns whether a point is in the box of the outermost samples.
@@ -344,7 +321,7 @@ template <class AnyField>
 void queryField(const AnyField& field, const QueryArguments& arguments, std::span<const glm::dvec3> points,
                 Report& report) {
   checkOfField(arguments);
-  checkMemory(field, arguments, points.size());
+  checkResults(sizeof(float) + sizeof(glm::vec3), points.size());
   report.grid = field.grid;
   Samples samples;
   timeStep(report.after, "query", [&] {

@@ -100,7 +100,7 @@ void addSimplify(CLI::App& app) {
   addMeshFileOptions(*command, *arguments);
   addOption(*command, "--tolerance", arguments->tolerance);
   addOption(*command, "--triangles", arguments->triangles);
-  addOption(*command, "--threads", arguments->machine.threads);
+  addCpuOptions(*command, arguments->machine);
   command->footer(kSimplifyFooter);
   command->callback([arguments] { run(*arguments); });
 }

@@ -165,7 +165,7 @@ VKAPI_ATTR void VKAPI_CALL growHeaps(VkPhysicalDevice device, VkPhysicalDeviceMe
   VkPhysicalDeviceProperties properties;
   vkGetPhysicalDeviceProperties(device, &properties);
   if (properties.deviceType != VK_PHYSICAL_DEVICE_TYPE_CPU) return;
-  for (VkMemoryHeap& heap : memory->memoryHeaps) heap.size = availableMemory();
+  for (VkMemoryHeap& heap : memory->memoryHeaps) heap.size = memoryLeft();
 }
 
 /// Stops a counter before its device is destroyed, also where the grid does not fit.

@@ -88,6 +88,15 @@ RAYMAP_API raymap_result raymap_set_default_threads(int32_t threads);
  * RAYMAP_ERROR_USAGE if the variable holds something else than a number. */
 RAYMAP_API raymap_result raymap_default_threads(int32_t* threads);
 
+/* ---- Memory ---- */
+
+/* Bounds what this process may hold, as raymap::limitMemory does; 0 = no bound. A strict bound also makes
+ * every allocation beyond it fail, those of the program's own code too. */
+RAYMAP_API raymap_result raymap_limit_memory(uint64_t bytes, int32_t is_strict);
+
+/* Returns the number of bytes that this process can still get, as raymap::memoryLeft does. */
+RAYMAP_API uint64_t raymap_memory_left(void);
+
 /* ---- Options ---- */
 
 /* How to make a field. One handle may serve many calls. */
@@ -112,7 +121,7 @@ RAYMAP_API raymap_result raymap_options_set_text(raymap_options* options, const 
  *   "band" (0)          distances are clamped to this many samples; 0 = not clamped
  *   "thickness" (0)     thickness of a wall around the surface instead of a sign; 0 = none
  *   "threads" (0)       number of CPU threads; 0 = raymap_default_threads
- *   "memory_limit" (0)  most bytes that may be held; 0 = what is available
+ *   "memory_limit" (0)  most bytes that the call and its result may hold; 0 = raymap_memory_left
  *   "compact" (0)       whether a surface takes less memory and more time, as in raymap::SurfaceOptions
  *   "invert", "close_holes", "triangle", "winding", "confidence", "allow_empty" (0)
  *                       switches, as in raymap::FieldOptions */

@@ -13,9 +13,10 @@ struct MachineOptions {
   /// Device that computes. "cpu"; "vulkan:K", the Kth Vulkan device; "vulkan", the best of them, which may be
   /// a software rasterizer; "auto", a real GPU if one is usable, else the CPU. See `devices`.
   std::string device = "auto";
-  int threads = 0;            ///< Number of CPU threads; 0 = `defaultThreads`.
-  size_t memoryLimit = 0;     ///< Most bytes that the call and its result may hold; 0 = what is available.
-  WarningCallback warn = {};  ///< Called with what is odd, but does not stop the call.
+  int threads = 0;  ///< Number of CPU threads; 0 = `defaultThreads`.
+  /// Most bytes that the call and its result may hold; 0 = `memoryLeft`. `limitMemory` bounds the process.
+  size_t memoryLimit = 0;
+  WarningCallback warn = {};       ///< Called with what is odd, but does not stop the call.
   ProgressCallback progress = {};  ///< Called every few milliseconds. It can cancel the call.
 };
 

@@ -16,6 +16,7 @@
 #include <raymap/isosurface.h>
 #include <raymap/local_thickness.h>
 #include <raymap/machine.h>
+#include <raymap/memory.h>
 #include <raymap/mesh.h>
 #include <raymap/mesh_view.h>
 #include <raymap/names.h>

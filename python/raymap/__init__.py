@@ -28,6 +28,7 @@ from ._errors import (
 )
 from ._field import NO_TRIANGLE, Field, load_field
 from ._generate import FieldOptions, Generator, generate
+from ._memory import limit_memory, memory_left
 from ._mesh import Animation, Mesh, load_animation, load_mesh
 from ._pyramid import generate_pyramid, load_pyramid, save_pyramid
 from ._records import (
@@ -145,10 +146,12 @@ __all__ = [
     "get_threads",
     "info",
     "isosurface",
+    "limit_memory",
     "load_animation",
     "load_field",
     "load_mesh",
     "load_pyramid",
+    "memory_left",
     "recipes",
     "render_defects",
     "repair",

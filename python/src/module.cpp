@@ -1,4 +1,5 @@
 #include <raymap/atomic_file.h>
+#include <raymap/memory.h>
 #include <raymap/threads.h>
 #include <raymap/version.h>
 
@@ -24,6 +25,8 @@ NB_MODULE(_raymap, module) {
   module.def("version", [] { return std::string(raymap::version().text); });
   module.def("set_threads", &raymap::setDefaultThreads, "threads"_a);
   module.def("get_threads", &raymap::defaultThreads);
+  module.def("limit_memory", &raymap::limitMemory, "bytes"_a, "strict"_a);
+  module.def("memory_left", &raymap::memoryLeft);
   module.def("set_leak_warnings", &nanobind::set_leak_warnings, "on"_a);
   module.def("write_whole", &writeWhole, "path"_a, "content"_a);
   bindErrors(module);

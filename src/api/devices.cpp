@@ -27,7 +27,7 @@ DeviceInfo cpuInfo() {
           .name = processorName(),
           .type = DeviceType::Cpu,
           .threads = std::thread::hardware_concurrency(),
-          .memory = availableMemory()};
+          .memory = memoryLeft()};
 }
 
 bool isRefused(const DeviceInfo& device) {

@@ -114,9 +114,7 @@ struct Surface::Impl {
 
   size_t bytes() const { return meshBytes() + prepared.bytes(); }
   /// Returns the most bytes that the surface and what a call makes may hold.
-  size_t most(const MachineOptions& machine) const {
-    return machine.memoryLimit > 0 ? machine.memoryLimit : bytes() + availableMemory();
-  }
+  size_t most(const MachineOptions& machine) const { return mostMemory(machine.memoryLimit, bytes()); }
   size_t meshBytes() const {
     return mesh.vertices.capacity() * sizeof(glm::vec3) + mesh.triangles.capacity() * sizeof(glm::uvec3);
   }

@@ -4,6 +4,7 @@
 #include <sys/resource.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cstdint>
 #include <fstream>
 #include <limits>
@@ -11,9 +12,21 @@
 #include <string>
 #include <string_view>
 
+#include "base/parallel.h"
+
+#ifdef __GLIBC__
+#include <malloc.h>
+#endif
+
 namespace raymap {
 
 namespace {
+
+/// Memory that no check counts: small arrays, names, and the pages of code that is used later.
+constexpr size_t kUnplanned = size_t{8} << 20;
+
+std::atomic<size_t> processLimit{0};
+std::atomic<rlim_t> allocationsBefore{0};  ///< RLIMIT_DATA before a strict bound; 0: there is none.
 
 /// Returns the bytes that a file of the kernel gives behind a key, in kilobytes there.
 std::optional<size_t> bytesOf(const char* path, std::string_view wanted) {
@@ -29,12 +42,26 @@ size_t systemAvailable() {
   return bytesOf("/proc/meminfo", "MemAvailable:").value_or(SIZE_MAX);
 }
 
+/// Returns what this process holds of what `key` counts.
+size_t heldBytes(std::string_view key) {
+  return bytesOf("/proc/self/status", key).value_or(0);
+}
+
 /// Returns what a limit of this process leaves of what `key` counts.
 size_t leftOf(__rlimit_resource_t resource, std::string_view key) {
   rlimit limit{};
   if (getrlimit(resource, &limit) != 0 || limit.rlim_cur == RLIM_INFINITY) return SIZE_MAX;
-  const size_t held = bytesOf("/proc/self/status", key).value_or(0);
-  return limit.rlim_cur - std::min<size_t>(held, limit.rlim_cur);
+  return limit.rlim_cur - std::min<size_t>(heldBytes(key), limit.rlim_cur);
+}
+
+/// Returns what `limitMemory` leaves.
+size_t leftOfProcess() {
+  const size_t limit = processLimit;
+  if (limit == 0) return SIZE_MAX;
+#ifdef __GLIBC__
+  malloc_trim(0);  // What was freed is not held.
+#endif
+  return limit - std::min(limit, heldBytes("VmRSS:") + kUnplanned);
 }
 
 /// Names that a version of control groups has for the limit, for the memory held, and for the part of it that
@@ -88,9 +115,48 @@ size_t memoryLeftInGroups(const std::filesystem::path& ofProcess, const std::fil
   return left;
 }
 
-size_t availableMemory() {
+size_t memoryLeft() {
   return std::min({systemAvailable(), memoryLeftInGroups("/proc/self/cgroup", "/sys/fs/cgroup"),
-                   leftOf(RLIMIT_AS, "VmSize:"), leftOf(RLIMIT_DATA, "VmData:")});
+                   leftOf(RLIMIT_AS, "VmSize:"), leftOf(RLIMIT_DATA, "VmData:"), leftOfProcess()});
+}
+
+void limitMemory(size_t bytes, bool isStrict) {
+  allowAllocations();
+  if (const size_t needed = heldBytes("VmRSS:") + kUnplanned; isStrict && bytes > 0 && bytes < needed)
+    throw Error(ErrorCode::Memory, "this process needs at least " + neededText(needed) + ", but only " +
+                                       limitText(bytes) + " may be used; allow more memory");
+  processLimit = bytes;
+  if (bytes == 0 || !isStrict) return;
+#ifdef __GLIBC__
+  mallopt(M_MMAP_THRESHOLD, 1 << 17);  // Large arrays go back to the system when they are freed.
+#endif
+  startThreads();  // Their stacks are data, most of which is never touched.
+  rlimit limit{};
+  getrlimit(RLIMIT_DATA, &limit);
+  const size_t data = heldBytes("VmData:"), resident = heldBytes("VmRSS:");
+  const rlim_t strict = data + bytes - std::min(bytes, resident);
+  if (limit.rlim_cur <= strict) return;
+  allocationsBefore = limit.rlim_cur;
+  limit.rlim_cur = strict;
+  setrlimit(RLIMIT_DATA, &limit);
+}
+
+void allowAllocations() {
+  const rlim_t before = allocationsBefore.exchange(0);
+  rlimit limit{};
+  if (before == 0 || getrlimit(RLIMIT_DATA, &limit) != 0) return;
+  limit.rlim_cur = before;
+  setrlimit(RLIMIT_DATA, &limit);
+}
+
+size_t mostMemory(size_t limit, size_t held) {
+  const size_t most = held + std::min(memoryLeft(), SIZE_MAX - held);
+  return limit > 0 ? std::min(limit, most) : most;
+}
+
+uint64_t mostInflated(uint64_t fileBytes) {
+  constexpr uint64_t kMostRatio = 500, kSlack = uint64_t{64} << 20;
+  return fileBytes > (UINT64_MAX - kSlack) / kMostRatio ? UINT64_MAX : kSlack + kMostRatio * fileBytes;
 }
 
 std::string neededText(uint64_t bytes) {
@@ -109,9 +175,16 @@ void checkFieldMemory(uint64_t needed, uint64_t limit, const std::string& why) {
 }
 
 void checkSurfaceMemory(uint64_t needed) {
-  if (const uint64_t left = availableMemory(); needed > left)
+  if (const uint64_t left = memoryLeft(); needed > left)
     throw Error(ErrorCode::Memory, "the surface needs " + neededText(needed) + ", but only " +
                                        limitText(left) + " are left; use a lower resolution");
+}
+
+void checkFormatMemory(uint64_t needed) {
+  if (const uint64_t left = memoryLeft(); needed > left)
+    throw Error(ErrorCode::Memory, "the file's tree of samples needs " + neededText(needed) + ", but only " +
+                                       limitText(left) +
+                                       " are left; write another format, such as .npy, or allow more memory");
 }
 
 }  // namespace raymap

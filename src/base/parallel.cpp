@@ -7,8 +7,11 @@
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
+#include <atomic>
+#include <chrono>
 #include <climits>
 #include <new>
+#include <thread>
 #include <utility>
 
 #include "base/require.h"
@@ -139,6 +142,15 @@ void withThreads(int threads, FunctionView<> work) {
   expectForks();
   tbb::task_arena arena(threadsFor(threads));
   arena.execute(workLimited);
+}
+
+void startThreads() {
+  const size_t all = parallelThreads();
+  const auto end = std::chrono::steady_clock::now() + std::chrono::milliseconds(100);
+  std::atomic<size_t> started{0};
+  parallelFor(all, 1, [&](size_t, size_t) {  // TBB starts a thread for each part that none is free for.
+    for (++started; started < all && std::chrono::steady_clock::now() < end;) std::this_thread::yield();
+  });
 }
 
 size_t parallelThreads() {

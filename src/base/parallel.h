@@ -38,6 +38,9 @@ inline constexpr size_t kCheapGrain = size_t{1} << 16;
 /// depend on which thread gets which part. Outside of `withThreads` it uses `defaultThreads`.
 void parallelFor(size_t count, size_t grain, FunctionView<size_t, size_t> work);
 
+/// Starts all threads that `defaultThreads` allows, which otherwise start when they are needed.
+void startThreads();
+
 /// Returns the number of threads that a loop may use here.
 size_t parallelThreads();
 

@@ -63,7 +63,8 @@ bool writeAll(int descriptor, const char* data, size_t count) {
 }  // namespace
 
 uint64_t mostFileBytes() {
-  return static_cast<uint64_t>(sysconf(_SC_PHYS_PAGES)) * static_cast<uint64_t>(sysconf(_SC_PAGESIZE)) / 2;
+  const auto pages = static_cast<uint64_t>(sysconf(_SC_PHYS_PAGES));
+  return std::min<uint64_t>(pages * static_cast<uint64_t>(sysconf(_SC_PAGESIZE)) / 2, memoryLeft());
 }
 
 int namedDescriptor(const fs::path& path) {
@@ -147,15 +148,16 @@ std::string SourceFile::head(size_t bytes) const {
 void SourceFile::copy() {
   const Opened stream(path_);
   std::vector<char> piece(size_t{1} << 20);
+  const uint64_t most = mostFileBytes();
   for (uint64_t total = 0;;) {
     const ssize_t count = read(stream.value, piece.data(), piece.size());
     if (count < 0 && errno == EINTR) continue;
     if (count < 0) failRead(path_, errno);
     if (count == 0) return;
     total += static_cast<uint64_t>(count);
-    if (total > mostFileBytes())
-      throw Error(ErrorCode::Memory, path_.string() + ": more than " + limitText(mostFileBytes()) +
-                                         " come through it, half of this machine's memory");
+    if (total > most)
+      throw Error(ErrorCode::Memory, path_.string() + ": more than " + limitText(most) +
+                                         " come through it, which is all that a file may take here");
     if (!writeAll(descriptor_, piece.data(), static_cast<size_t>(count))) failRead(path_, errno);
   }
 }

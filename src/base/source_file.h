@@ -11,8 +11,8 @@ namespace raymap {
 /// size, and can be read from any position and more than once.
 class SourceFile {
  public:
-  /// Throws `Error(File)` if a pipe cannot be read, `Error(Memory)` if it holds more than half of the
-  /// machine's memory. Whether there is a file at the path shows when it is opened.
+  /// Throws `Error(File)` if a pipe cannot be read, `Error(Memory)` if it holds more than
+  /// `mostFileBytes`. Whether there is a file at the path shows when it is opened.
   explicit SourceFile(std::filesystem::path path);
   /// Keeps bytes in memory as the content of a file that exists nowhere else; `path` is for messages.
   SourceFile(std::filesystem::path path, std::span<const std::byte> bytes);
@@ -43,7 +43,8 @@ class SourceFile {
   int descriptor_ = -1;  ///< Descriptor of the copy in memory, or of a file that another one names.
 };
 
-/// Returns half of the machine's memory, the most bytes that a file may have to be read.
+/// Returns the most bytes that a file may have to be read: half of the machine's memory, and no more than
+/// what is left for this process.
 uint64_t mostFileBytes();
 
 /// Returns the open descriptor that a path such as /dev/stdin or /dev/fd/5 names, or -1.

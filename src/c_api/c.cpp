@@ -1,6 +1,7 @@
 // The functions of raymap/c.h about errors, the version, threads and devices.
 
 #include <raymap/c.h>
+#include <raymap/memory.h>
 #include <raymap/names.h>
 #include <raymap/threads.h>
 #include <raymap/version.h>
@@ -57,6 +58,14 @@ raymap_result raymap_set_default_threads(int32_t threads) {
 
 raymap_result raymap_default_threads(int32_t* threads) {
   return guard([&] { need(threads, "the number of threads") = defaultThreads(); });
+}
+
+raymap_result raymap_limit_memory(uint64_t bytes, int32_t is_strict) {
+  return guard([&] { limitMemory(bytes, is_strict != 0); });
+}
+
+uint64_t raymap_memory_left(void) {
+  return memoryLeft();
 }
 
 raymap_devices* raymap_devices_list(void) {

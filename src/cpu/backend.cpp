@@ -304,9 +304,7 @@ void Backend::ask(size_t more, const char* why) const {
 }
 
 size_t Backend::mostBytes() const {
-  if (const size_t limit = job_->machine.memoryLimit; limit > 0) return limit;
-  const size_t held = bytes();
-  return held + std::min(availableMemory(), SIZE_MAX - held);
+  return mostMemory(job_->machine.memoryLimit, bytes());
 }
 
 size_t Backend::bytesLeft() const {

@@ -29,7 +29,7 @@ constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
 constexpr double kWidthRounding = 1e-6;
 
 uint64_t limitOf(const MachineOptions& machine) {
-  return machine.memoryLimit > 0 ? machine.memoryLimit : availableMemory();
+  return mostMemory(machine.memoryLimit);
 }
 
 /// Calls `visit(first, within, count)` for each row along x of a cube's samples in a region: the index of its

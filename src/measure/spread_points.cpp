@@ -44,7 +44,7 @@ void checkPoints(const PackedMesh& mesh, double step) {
   double count = 0.0;
   for (const glm::uvec3& face : mesh.triangles) count += leastParts(mesh, face, step);
   const auto needed = static_cast<uint64_t>(count * sizeof(FacePoint));
-  if (const uint64_t limit = availableMemory(); needed > limit)
+  if (const uint64_t limit = memoryLeft(); needed > limit)
     throw Error(ErrorCode::Memory, "the points on the faces need " + neededText(needed) + ", but " +
                                        limitText(limit) + " are available; use a larger step");
 }

@@ -55,7 +55,7 @@ RepairGrid chooseRepairGrid(const MeshView& mesh, const Verdict& verdict, const 
   grid.thinnest = std::max(*verdict.thinnest, 2.0 * *verdict.voxelSize);  // But for rounding.
   covering.voxelSize = *verdict.voxelSize;
   const glm::dvec3 dims = grid.spacing / covering.voxelSize * glm::dvec3(grid.dims);
-  const size_t memory = machine.memoryLimit > 0 ? machine.memoryLimit : SIZE_MAX;
+  const size_t memory = machine.memoryLimit > 0 ? mostMemory(machine.memoryLimit) : SIZE_MAX;
   if (dims.x * dims.y * dims.z <= double(std::min(memory / kBytesPerSample, kMostRepairSamples)))
     static_cast<Grid&>(grid) = fitGrid(box, covering);
   return grid;

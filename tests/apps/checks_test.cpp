@@ -67,7 +67,7 @@ TEST_F(CliChecks, ShowsLengthsThatAreShort) {
 TEST_F(CliChecks, ReadsSizesOfMemory) {
   writeTorus();
   const std::string generate = "generate torus.ply -o f.nrrd --resolution 32 --memory-limit ";
-  for (const char* enough : {"1.5GB", "1e9", "'1.5 gb'", "2000000k", "0.5GiB", "300M", "9437184", "1T", "0"})
+  for (const char* enough : {"1.5GB", "1e9", "'1.5 gb'", "2000000k", "0.5GiB", "300M", "94371840", "1T", "0"})
     succeed(generate + enough);
   const auto refuses = [&](const std::string& size, const std::string& limit) {
     expectFailure(generate + size, ErrorCode::Memory, ", but only " + limit + " may be used");

@@ -108,62 +108,6 @@ TEST_F(CliGenerate, AlignsSamples) {
                 "--shape and --align cannot be used together");
 }
 
-// A field that does not fit into the memory allowed is written in slabs, and a run that failed is gone on
-// with.
-TEST_F(CliGenerate, WritesSlabsOfWhatDoesNotFit) {
-  const Mesh mesh = shapes::sphere(1.0, 3);
-  writeMesh(path("ball.ply"), mesh);
-  const std::string make = "generate ball.ply --device cpu --resolution 90 --memory-limit 6MB ";
-  const Grid grid = fitGrid(mesh, {.resolution = 90});
-  const auto expectWhole = [&](const std::string& name, double band) {
-    const Field whole = Surface(mesh).generateRegion(grid, {{0, 0, 0}, grid.dims}, {.band = band});
-    writeField(path("whole_" + name), whole);
-    EXPECT_TRUE(readBytes(path(name)) == readBytes(path("whole_" + name))) << name;
-  };
-  for (const std::string& extension : slabExtensions()) {
-    const Result result = succeed(make + "--band 3 -o slabs" + extension);
-    EXPECT_NE(result.out.find("the field does not fit into memory, so it is written in slabs of "),
-              std::string::npos)
-        << result.out;
-    expectWhole("slabs" + extension, 3.0);
-  }
-  const Result stopped = shell("trap '' XFSZ; ulimit -f 1500; $R " + make + "-o later.npy");
-  EXPECT_EQ(stopped.code, exitCode(ErrorCode::File));
-  EXPECT_NE(stopped.err.find("later.npy.part holds "), std::string::npos) << stopped.err;
-  EXPECT_FALSE(fs::exists(path("later.npy")));
-  const Result goesOn = run(make + "-o later.npy");
-  EXPECT_EQ(goesOn.code, 0) << goesOn.err;
-  EXPECT_NE(goesOn.err.find("later.npy: goes on after "), std::string::npos) << goesOn.err;
-  EXPECT_FALSE(fs::exists(path("later.npy.part")));
-  expectWhole("later.npy", 0.0);
-
-  expectFailure(make + "-o field.npz", ErrorCode::Memory, "the field needs ");
-  expectFailure(make + "-o field.npy --report r.json", ErrorCode::Memory, "the field needs ");
-  expectFailure(make + "-o field.npy --winding w.npz", ErrorCode::Memory, "the field needs ");
-  expectFailure("generate ball.ply --device cpu --resolution 100000 -o far.npy", ErrorCode::File,
-                "far.npy.part: the file needs ");
-}
-
-TEST_F(CliGenerate, WritesSlabsOfAllArrays) {
-  const Mesh mesh = shapes::sphere(1.0, 3);
-  writeMesh(path("ball.ply"), mesh);
-  const std::string make = "generate ball.ply --device cpu --resolution 80 --memory-limit 5MB ";
-  const Result result = succeed(make + "-o all.vti --winding w.npy --confidence c.nrrd --triangle-ids t.vti");
-  EXPECT_NE(result.out.find("written in slabs of "), std::string::npos) << result.out;
-  const Grid grid = fitGrid(mesh, {.resolution = 80});
-  const Field whole = Surface(mesh).generateRegion(grid, {{0, 0, 0}, grid.dims},
-                                                   {.triangle = true, .winding = true, .confidence = true});
-  const auto expectFile = [&](const std::string& name, FieldArray array) {
-    writeField(path("whole_" + name), whole, {.array = array});
-    EXPECT_TRUE(readBytes(path(name)) == readBytes(path("whole_" + name))) << name;
-    EXPECT_NE(result.out.find("wrote " + name), std::string::npos) << result.out;
-  };
-  expectFile("all.vti", FieldArray::Distance);
-  expectFile("w.npy", FieldArray::Winding);
-  expectFile("c.nrrd", FieldArray::Confidence);
-  expectFile("t.vti", FieldArray::Triangle);
-}
-
 TEST_F(CliGenerate, MakesAFarFieldOfAnEmptyMesh) {
   std::ofstream(path("empty.obj")) << "v 0 0 0\n";
   std::ofstream(path("empty.off")) << "OFF\n0 0 0\n";

@@ -92,9 +92,6 @@ TEST_F(CliQuery, RefusesQueriesThatMakeNoSense) {
   expectFailure("query torus.ply p.csv -o r.csv --unsigned --arrays winding", usage, "leave out --unsigned");
   expectFailure("query torus.ply p.csv -o r.csv --arrays length", usage, "must be one of distance, closest");
   expectFailure("query torus.ply p.csv -o r.csv --max-distance 0", usage, "must be a number above 0");
-  expectFailure("query torus.ply torus.ply -o r.csv --memory-limit 30kB", ErrorCode::Memory,
-                "960 points and their results need 30.7 kB, which leaves nothing of the 30.7 kB");
-  expectFailure("query torus.ply torus.ply -o r.csv --memory-limit 40kB", ErrorCode::Memory, "");
   EXPECT_EQ(fileCount(), 2u);
 }
 
@@ -145,8 +142,6 @@ TEST_F(CliQuery, RefusesWhatAFieldLacks) {
   expectFailure("query torus.ply p.csv -o r.csv --arrays gradient", usage,
                 "the array gradient is one of fields, and torus.ply is a mesh");
   expectFailure("query t.npz p.csv -o r.npy --arrays distance,gradient", usage, "a .npy holds one array");
-  expectFailure("query t.npz p.csv -o r.csv --memory-limit 100B", ErrorCode::Memory,
-                "of --memory-limit are left for it");
   EXPECT_EQ(fileCount(), 4u);
 }
 

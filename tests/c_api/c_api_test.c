@@ -533,6 +533,15 @@ static void test_region(void) {
   raymap_mesh_free(mesh);
 }
 
+static void test_memory(void) {
+  const uint64_t most = (uint64_t)1 << 30;
+  CHECK(raymap_memory_left() > 0);
+  CHECK(raymap_limit_memory(most, 0) == RAYMAP_OK);
+  CHECK(raymap_memory_left() > 0 && raymap_memory_left() < most);
+  CHECK(raymap_limit_memory(1, 0) == RAYMAP_OK && raymap_memory_left() == 0);
+  CHECK(raymap_limit_memory(0, 0) == RAYMAP_OK && raymap_memory_left() > 0);
+}
+
 static void test_threads(void) {
   int32_t threads = -1;
   CHECK(raymap_default_threads(&threads) == RAYMAP_OK && threads == 0);
@@ -1211,6 +1220,7 @@ int main(int argc, char** argv) {
   test_band(argc > 1 ? argv[1] : ".");
   test_band_widths();
   test_region();
+  test_memory();
   test_threads();
   test_options();
   test_signless();

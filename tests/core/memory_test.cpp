@@ -3,9 +3,13 @@
 #include <gtest/gtest.h>
 #include <sys/resource.h>
 
+#include <cstdlib>
 #include <fstream>
+#include <new>
 #include <string>
+#include <vector>
 
+#include "error_code.h"
 #include "files.h"
 
 namespace raymap {
@@ -69,7 +73,7 @@ size_t heldBytes(const std::string& wanted) {
   return 0;
 }
 
-TEST(AvailableMemory, HeedsTheLimitsOfTheProcess) {
+TEST(MemoryLeft, HeedsTheLimitsOfTheProcess) {
   struct Case {
     __rlimit_resource_t resource;
     const char* held;
@@ -80,11 +84,58 @@ TEST(AvailableMemory, HeedsTheLimitsOfTheProcess) {
     ASSERT_EQ(getrlimit(resource, &before), 0);
     const rlimit limit{.rlim_cur = heldBytes(held) + kMore, .rlim_max = before.rlim_max};
     ASSERT_EQ(setrlimit(resource, &limit), 0);
-    const size_t left = availableMemory();
+    const size_t left = memoryLeft();
     setrlimit(resource, &before);
     EXPECT_GT(left, kMore - kChange) << held;
     EXPECT_LT(left, kMore + kChange) << held;
   }
+}
+
+TEST(LimitMemory, LeavesWhatIsNotHeld) {
+  constexpr size_t kMore = size_t{128} << 20, kChange = size_t{16} << 20;
+  limitMemory(heldBytes("VmRSS:") + kMore);
+  const size_t left = memoryLeft();
+  limitMemory(1);
+  EXPECT_EQ(memoryLeft(), 0u);
+  EXPECT_NE(std::malloc(1000), nullptr) << "The bound is not strict.";
+  limitMemory(0);
+  EXPECT_GT(left, kMore - kChange);
+  EXPECT_LT(left, kMore);
+  EXPECT_GT(memoryLeft(), kMore);
+}
+
+TEST(LimitMemory, MakesAllocationsFailIfItIsStrict) {
+  constexpr size_t kMore = size_t{64} << 20;
+  const size_t before = heldBytes("VmRSS:");
+  limitMemory(before + kMore, true);
+  EXPECT_THROW(std::vector<char>(2 * kMore), std::bad_alloc);
+  EXPECT_NO_THROW(std::vector<char>(kMore / 4));
+  allowAllocations();
+  EXPECT_NO_THROW(std::vector<char>(2 * kMore));
+  EXPECT_LT(memoryLeft(), kMore) << "The bound itself stays.";
+  limitMemory(0);
+}
+
+TEST(LimitMemory, RefusesAStrictBoundThatIsExceededAlready) {
+  EXPECT_EQ(codeOf([] { limitMemory(1000, true); }), ErrorCode::Memory);
+  EXPECT_GT(memoryLeft(), size_t{1} << 20);
+}
+
+TEST(MostMemory, IsTheLimitAndNoMoreThanWhatIsLeft) {
+  EXPECT_EQ(mostMemory(1000), 1000u);
+  limitMemory(1);
+  EXPECT_EQ(mostMemory(1000), 0u);
+  EXPECT_EQ(mostMemory(1000, 300), 300u);
+  EXPECT_EQ(mostMemory(0, 300), 300u);
+  limitMemory(0);
+  EXPECT_GT(mostMemory(0, 300), 300u);
+  EXPECT_EQ(mostMemory(0, SIZE_MAX), SIZE_MAX);
+}
+
+TEST(MostInflated, GrowsWithTheFile) {
+  EXPECT_EQ(mostInflated(0), uint64_t{64} << 20);
+  EXPECT_EQ(mostInflated(1000), (uint64_t{64} << 20) + 500'000);
+  EXPECT_EQ(mostInflated(UINT64_MAX / 2), UINT64_MAX);
 }
 
 }  // namespace

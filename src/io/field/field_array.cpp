@@ -81,6 +81,13 @@ bool isSeparator(char c) {
   return c == ' ' || c == '\t' || c == '\n' || c == '\r' || c == ',' || c == '(' || c == ')';
 }
 
+/// Says why there are more samples than the bytes hold.
+std::string overfull(const StoredBytes& stored) {
+  if (!stored.isDeflated) return "more than its bytes can hold";
+  return "but its " + std::to_string(stored.count) + " compressed bytes may stand for at most " +
+         limitText(stored.most()) + "; write it uncompressed";
+}
+
 }  // namespace
 
 size_t elementSize(ElementType type) {
@@ -170,8 +177,8 @@ std::string InputFile::readLine(size_t longest) {
 }
 
 size_t checkedSampleCount(const std::filesystem::path& path, const std::array<int64_t, 3>& dims,
-                          ElementType type, uint64_t available) {
-  uint64_t room = available / elementSize(type);
+                          ElementType type, const StoredBytes& stored) {
+  uint64_t room = stored.most() / elementSize(type);
   uint64_t count = 1;
   for (const int64_t side : dims) {
     if (side < 1 || side > std::numeric_limits<int>::max())
@@ -180,18 +187,13 @@ size_t checkedSampleCount(const std::filesystem::path& path, const std::array<in
     room /= static_cast<uint64_t>(side);
     if (room == 0)
       throwInvalid(path, "declares " + std::to_string(dims[0]) + " x " + std::to_string(dims[1]) + " x " +
-                             std::to_string(dims[2]) + " samples, more than its bytes can hold");
+                             std::to_string(dims[2]) + " samples, " + overfull(stored));
   }
-  const uint64_t bytes = count * elementSize(type), left = availableMemory();
+  const uint64_t bytes = count * elementSize(type), left = memoryLeft();
   if (bytes > left)
-    throw Error(ErrorCode::Memory, path.string() + ": its samples need " + std::to_string(bytes >> 20) +
-                                       " MiB, and only " + std::to_string(left >> 20) + " MiB are available");
+    throw Error(ErrorCode::Memory, path.string() + ": its samples need " + neededText(bytes) + ", and only " +
+                                       limitText(left) + " are available");
   return count;
-}
-
-uint64_t inflatedBound(uint64_t bytes) {
-  constexpr uint64_t kMostGrowth = 1032;
-  return bytes > UINT64_MAX / kMostGrowth ? UINT64_MAX : bytes * kMostGrowth;
 }
 
 void setDims(Grid& grid, const std::array<int64_t, 3>& dims) {

@@ -16,6 +16,7 @@
 #include <string_view>
 #include <vector>
 
+#include "base/memory.h"
 #include "base/source_file.h"
 
 namespace raymap {
@@ -84,13 +85,20 @@ struct ArrayLayout {
   bool zFastest = false;
 };
 
-/// Returns the number of samples. Throws `Error(Input)` if a side is not positive or `available` bytes cannot
-/// hold the samples. Throws `Error(Memory)` if they do not fit in memory. Must be called before anything is
-/// allocated.
+/// Bytes of a file that hold samples.
+struct StoredBytes {
+  uint64_t count = 0;
+  bool isDeflated = false;
+
+  /// Returns the most bytes of samples that are read of them.
+  uint64_t most() const { return isDeflated ? mostInflated(count) : count; }
+};
+
+/// Returns the number of samples. Throws `Error(Input)` if a side is not positive, or if the samples are more
+/// than `stored` holds. Throws `Error(Memory)` if they do not fit in memory. Must be called before anything
+/// is allocated.
 size_t checkedSampleCount(const std::filesystem::path& path, const std::array<int64_t, 3>& dims,
-                          ElementType type, uint64_t available);
-/// Returns the most bytes that a deflated stream of `bytes` can inflate to (zlib's own bound is 1032 to 1).
-uint64_t inflatedBound(uint64_t bytes);
+                          ElementType type, const StoredBytes& stored);
 
 /// Sets the grid's dimensions, which `checkedSampleCount` must have accepted.
 void setDims(Grid& grid, const std::array<int64_t, 3>& dims);

@@ -114,12 +114,12 @@ std::string npyHeader(const Grid& grid, ElementType type) {
 }
 
 void readNpyArray(const std::filesystem::path& path, Field& field, std::string_view name,
-                  const NpyHeader& header, uint64_t available, const ReadBytes& read) {
+                  const NpyHeader& header, const StoredBytes& stored, const ReadBytes& read) {
   if (header.shape.size() != 3)
     throwInvalid(path, "an array of " + std::to_string(header.shape.size()) + " axes; a field has 3");
   const ArrayLayout layout = layoutOf(path, header);
   const std::array<int64_t, 3> dims{header.shape[0], header.shape[1], header.shape[2]};
-  checkedSampleCount(path, dims, layout.type, available);
+  checkedSampleCount(path, dims, layout.type, stored);
   setDims(field.grid, dims);
   readArray(path, field, name, layout, read);
 }
@@ -131,7 +131,7 @@ Field readNpy(const SourceFile& source, LeftOut&) {
   Field field;
   field.grid.spacing = 1.0;
   const NpyHeader header = readNpyHeader(path, read);
-  readNpyArray(path, field, "", header, file.remaining(), read);
+  readNpyArray(path, field, "", header, {file.remaining()}, read);
   return field;
 }
 

@@ -20,9 +20,9 @@ std::string npyHeader(const Grid& grid, ElementType type);
 /// Returns the layout of the array. Throws `Error(Unsupported)` for other types than those of `ElementType`.
 ArrayLayout layoutOf(const std::filesystem::path& path, const NpyHeader& header);
 
-/// Reads the array after `header` into the field and sets the dimensions of its grid. `available` bounds the
+/// Reads the array after `header` into the field and sets the dimensions of its grid. `stored` bounds the
 /// array's bytes.
 void readNpyArray(const std::filesystem::path& path, Field& field, std::string_view name,
-                  const NpyHeader& header, uint64_t available, const ReadBytes& read);
+                  const NpyHeader& header, const StoredBytes& stored, const ReadBytes& read);
 
 }  // namespace raymap

@@ -38,7 +38,7 @@ std::vector<double> readDoubles(const std::filesystem::path& path, size_t count,
   return values;
 }
 
-void readEntry(const std::filesystem::path& path, const std::string& name, uint64_t available,
+void readEntry(const std::filesystem::path& path, const std::string& name, const StoredBytes& stored,
                const ReadBytes& read, Field& field) {
   if (name == "origin") {
     const auto origin = readDoubles(path, 3, read);
@@ -54,7 +54,7 @@ void readEntry(const std::filesystem::path& path, const std::string& name, uint6
     const glm::ivec3 d = field.grid.dims;
     if (d != glm::ivec3(0) && header.shape != std::vector<int64_t>{d.x, d.y, d.z})
       throwInvalid(path, "the shape of '" + name + "' differs from the others'");
-    readNpyArray(path, field, name, header, available, read);
+    readNpyArray(path, field, name, header, stored, read);
   }
 }
 
@@ -88,7 +88,7 @@ void writeArrays(std::ostream& out, const Field& field, const NamedArray& array,
 
 Field readNpz(const SourceFile& source, LeftOut& leftOut) {
   const std::filesystem::path& path = source.path();
-  const uint64_t most = inflatedBound(InputFile(source).remaining());
+  const StoredBytes file{InputFile(source).remaining(), true};
   const ZipReader zip(source);
   Field field;
   field.grid.spacing = 1.0;
@@ -105,7 +105,8 @@ Field readNpz(const SourceFile& source, LeftOut& leftOut) {
     const ReadBytes read = [&](void* to, size_t count) {
       if (content.read(to, count) < count) throwInvalid(path, "its array '" + name + "' ends early");
     };
-    readEntry(path, name, std::min(zip.entries()[i].bytes, most), read, field);
+    const uint64_t bytes = zip.entries()[i].bytes;
+    readEntry(path, name, bytes <= file.most() ? StoredBytes{bytes} : file, read, field);
     char rest = 0;
     content.read(&rest, 1);  // The checksum is compared at the end.
   }

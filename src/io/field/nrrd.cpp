@@ -126,8 +126,7 @@ Field readNrrd(const SourceFile& source, LeftOut&) {
   const auto dims = parseDims(valueOf(header, "sizes"));
   if (!dims)
     throwInvalid(path, "'sizes' is " + excerpt(valueOf(header, "sizes")) + ", not three whole numbers");
-  checkedSampleCount(path, *dims, layout.type,
-                     isDeflated ? inflatedBound(file->remaining()) : file->remaining());
+  checkedSampleCount(path, *dims, layout.type, {file->remaining(), isDeflated});
   setDims(field.grid, *dims);
   readPlacement(path, header, field.grid);
   for (const char* name : {kFormerClampDistance, kClampDistance})

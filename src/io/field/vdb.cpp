@@ -12,11 +12,13 @@
 #include <zlib.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cfloat>
 #include <cmath>
 #include <cstdio>
 #include <ostream>
 
+#include "base/memory.h"
 #include "base/parallel.h"
 #include "io/field/field_formats.h"
 #include "io/field/nvdb.h"
@@ -52,6 +54,36 @@ openvdb::CoordBBox boxOf(const Grid& grid) {
   return {low, low.offsetBy(grid.dims.x - 1, grid.dims.y - 1, grid.dims.z - 1)};
 }
 
+/// Throws `Error(Memory)` if a tree of so many leaves does not fit: OpenVDB's classes end the program when
+/// memory runs out.
+void checkTree(uint64_t leaves) {
+  constexpr uint64_t kLeafBytes = SparseField::kLeafSamples * sizeof(float) + 256;  // With its masks.
+  checkFormatMemory(leaves * kLeafBytes);
+}
+
+/// Returns how many leaves of a grid have samples of different values. The others become tiles.
+template <class Value>
+uint64_t countMixedLeaves(const Grid& grid, const Value* values) {
+  constexpr int kSide = SparseField::kLeafSide;
+  const glm::ivec3 leaves = (grid.dims + (kSide - 1)) / kSide;
+  const auto isMixed = [&](const glm::ivec3& low) {
+    const glm::ivec3 high = glm::min(low + kSide, grid.dims);
+    const Value first = values[grid.index(low)];
+    for (int z = low.z; z < high.z; ++z)
+      for (int y = low.y; y < high.y; ++y) {
+        const Value* row = values + grid.index({low.x, y, z});
+        if (std::any_of(row, row + (high.x - low.x), [&](Value v) { return v != first; })) return true;
+      }
+    return false;
+  };
+  std::atomic<uint64_t> count{0};
+  parallelFor(size_t(leaves.z), 1, [&](size_t slab, size_t) {
+    for (int y = 0; y < leaves.y; ++y)
+      for (int x = 0; x < leaves.x; ++x) count += isMixed(kSide * glm::ivec3(x, y, int(slab))) ? 1 : 0;
+  });
+  return count;
+}
+
 /// Returns a tree with the value of every sample. Background values are inactive; with `mirrored`, so are
 /// values of the negated background. Where either fills a block, the block takes no memory.
 template <class GridType>
@@ -59,6 +91,7 @@ openvdb::GridBase::Ptr makeGrid(const Field& field, const NamedArray& array,
                                 typename GridType::ValueType background, bool mirrored) {
   using Value = typename GridType::ValueType;
   const auto* values = reinterpret_cast<const Value*>(array.bytes.data());
+  checkTree(countMixedLeaves(field.grid, values));
   const openvdb::tools::Dense<const Value, openvdb::tools::LayoutXYZ> dense(boxOf(field.grid), values);
   // OpenVDB makes the empty grid itself: its classes would take ten seconds to compile here.
   openvdb::GridBase::Ptr made = openvdb::GridBase::createGrid(GridType::gridType());
@@ -255,6 +288,7 @@ openvdb::GridBase::Ptr makeLeaves(const SparseField& band, std::span<const Store
   using Leaf = typename GridType::TreeType::LeafNodeType;
   constexpr int kSide = SparseField::kLeafSide;
   static_assert(Leaf::DIM == kSide);
+  checkTree(band.leaves.size());
   openvdb::GridBase::Ptr made = openvdb::GridBase::createGrid(GridType::gridType());
   auto& tree = static_cast<GridType&>(*made).tree();
   openvdb::tools::changeBackground(tree, background);

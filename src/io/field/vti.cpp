@@ -179,11 +179,10 @@ Elements openArray(const VtiFile& file, const pugi::xml_node& array, const std::
   if (format == "ascii") {
     const bool isWhole = layout.type == ElementType::UInt32 || layout.type == ElementType::Int32;
     const ArrayLayout decoded{isWhole ? ElementType::UInt32 : ElementType::Float64};
-    checkedSampleCount(file.path, dims, decoded.type, (text.size() + 1) / 2 * elementSize(decoded.type));
+    checkedSampleCount(file.path, dims, decoded.type, {(text.size() + 1) / 2 * elementSize(decoded.type)});
     return {decoded, decimalDecoded(file.path, text, isWhole)};
   }
-  const uint64_t room = file.isDeflated ? inflatedBound(text.size()) : text.size();
-  const size_t count = checkedSampleCount(file.path, dims, layout.type, room);
+  const size_t count = checkedSampleCount(file.path, dims, layout.type, {text.size(), file.isDeflated});
   return {layout,
           binaryReader(file, text, isAppended && file.appendedIsRaw, count * elementSize(layout.type))};
 }  // NOLINT(clang-analyzer-cplusplus.NewDeleteLeaks): it misses that the function's destructor frees it.

@@ -26,7 +26,11 @@ class Importer {
   void receive(void* data, size_t bytes);
 
  private:
+  /// Throws the error for a file that takes more memory than the child has.
+  [[noreturn]] void failOfMemory() const;
+
   std::filesystem::path file_;
+  uint64_t fullMemory_, memory_;  ///< What a file of this size may take, and what the child may.
   ChildProcess child_;
   std::string message_;
 };

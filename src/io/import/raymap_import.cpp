@@ -30,9 +30,6 @@ namespace raymap {
 
 namespace {
 
-constexpr const char* kTooMuchMemory =
-    "it asks for more memory than a file of its size may take: a count in it is damaged";
-
 bool hasAnswered = false;
 
 void sendHeader(uint32_t failure, const std::string& message) {
@@ -115,9 +112,9 @@ int main(int argc, char** argv) {
   } catch (const Error& error) {
     sendFailure(error.what(), error.code());
   } catch (const std::bad_alloc&) {
-    sendFailure(kTooMuchMemory);
+    sendFailure("", ErrorCode::Memory);  // The parent knows why it has no more.
   } catch (const std::length_error&) {
-    sendFailure(kTooMuchMemory);
+    sendFailure("", ErrorCode::Memory);
   } catch (const std::exception& error) {
     sendFailure("cannot read it: " + withExcerpts(error.what()));
   }

@@ -59,7 +59,7 @@ class GridReader {
 
   /// Reads one grid. The first one gives the field its lattice, and the others must have the same.
   void readGrid(Field& field) {
-    checkedSampleCount(path_, header_.dims, type_, most_);
+    checkedSampleCount(path_, header_.dims, type_, {most_});
     Field about = placed();
     if (field.grid.dims == glm::ivec3(0)) {
       field.grid = about.grid;
@@ -116,7 +116,7 @@ class GridReader {
                               " tiles, more than its bytes can hold");
     checkFieldMemory(leaves * (sizeof(glm::ivec3) + kLeafBytes * (1 + header_.gridsAfter)) +
                          tiles * sizeof(SparseField::Tile),
-                     availableMemory());
+                     memoryLeft());
   }
 
   template <class Element>

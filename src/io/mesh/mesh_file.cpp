@@ -14,6 +14,7 @@
 #include <memory>
 #include <system_error>
 
+#include "base/memory.h"
 #include "base/parallel.h"
 #include "base/text.h"
 #include "mesh/far_vertices.h"
@@ -27,10 +28,9 @@ namespace {
   throw Error(ErrorCode::File, path.string() + ": cannot read it: " + why);
 }
 
-[[noreturn]] void failTooLarge(const std::filesystem::path& path, uint64_t bytes) {
-  throw Error(ErrorCode::Memory, path.string() + ": reading it needs " + std::to_string(bytes >> 20) +
-                                     " MiB, more than half of this machine's memory (" +
-                                     std::to_string(mostFileBytes() >> 20) + " MiB)");
+[[noreturn]] void failTooLarge(const std::filesystem::path& path, uint64_t bytes, uint64_t most) {
+  throw Error(ErrorCode::Memory, path.string() + ": reading it needs " + neededText(bytes) +
+                                     ", but a file may take only " + limitText(most) + " here");
 }
 
 template <class Vec>
@@ -123,7 +123,7 @@ uint64_t regularFileSize(const SourceFile& source) {
   if (!std::filesystem::is_regular_file(status)) failRead(path, "it is not a regular file");
   const uint64_t size = std::filesystem::file_size(source.place(), error);
   if (error) failRead(path, error.message());
-  if (size > mostFileBytes()) failTooLarge(path, size);
+  if (const uint64_t most = mostFileBytes(); size > most) failTooLarge(path, size, most);
   return size;
 }
 
@@ -142,17 +142,16 @@ Buffer<std::byte> loadFile(const SourceFile& source) {
 }
 
 void checkMemory(const MeshFile& file, uint64_t bytes) {
-  if (bytes > mostFileBytes()) failTooLarge(file.path, bytes);
+  if (bytes > file.memory) failTooLarge(file.path, bytes, file.memory);
 }
 
 void checkExpansion(const MeshFile& file, uint64_t bytes, uint64_t fileBytes) {
   checkMemory(file, bytes);
   // Hundreds of instances of most of a file, or data that are compressed to a hundredth.
-  constexpr uint64_t kMostRatio = 500, kSlack = 64 << 20;
-  if (bytes > kSlack + kMostRatio * fileBytes)
+  if (const uint64_t most = mostInflated(fileBytes); bytes > most)
     file.fail("its " + counted(fileBytes, "byte") + " stand for at least " + std::to_string(bytes >> 20) +
               " MiB of vertices and triangles, as instances or compressed; of a file of this size at most " +
-              std::to_string((kSlack + kMostRatio * fileBytes) >> 20) +
+              std::to_string(most >> 20) +
               " MiB are read; export fewer instances, or write each as a mesh of its own");
 }
 

@@ -27,6 +27,7 @@ struct MeshFile {
   std::filesystem::path folder = path.parent_path();  ///< Folder of the files that the mesh file refers to.
   bool allowEmpty = false;                            ///< Whether it may have no triangles.
   std::vector<glm::dvec3>* exact = nullptr;           ///< `ReadOptions::exact`.
+  uint64_t memory = mostFileBytes();                  ///< Most bytes of what it expands to.
 
   std::string_view text() const { return {reinterpret_cast<const char*>(bytes.data()), bytes.size()}; }
   [[noreturn]] void fail(const std::string& what) const;
@@ -57,7 +58,7 @@ uint64_t regularFileSize(const SourceFile& source);
 /// Reads a whole file. Throws `Error(File)` or `Error(Memory)`.
 Buffer<std::byte> loadFile(const SourceFile& source);
 
-/// Throws `Error(Memory)` if `bytes` is more than half of the machine's memory. Used for sizes that a small
+/// Throws `Error(Memory)` if `bytes` is more than `MeshFile::memory`. Used for sizes that a small
 /// file can make large.
 void checkMemory(const MeshFile& file, uint64_t bytes);
 /// Throws as well, `Error(Input)`, if `bytes` is far more than `fileBytes` bytes of instances and compressed

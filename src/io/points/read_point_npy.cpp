@@ -32,10 +32,10 @@ size_t checkedPointCount(const std::filesystem::path& path, const NpyHeader& hea
     if (room == 0) throwInvalid(path, "its shape is " + shapeText(shape) + ", more than its bytes can hold");
   }
   if (room == 0) throwInvalid(path, "its shape is 3, more than its bytes can hold");
-  const uint64_t bytes = count * sizeof(glm::dvec3), left = availableMemory();
+  const uint64_t bytes = count * sizeof(glm::dvec3), left = memoryLeft();
   if (bytes > left)
-    throw Error(ErrorCode::Memory, path.string() + ": its points need " + std::to_string(bytes >> 20) +
-                                       " MiB, and only " + std::to_string(left >> 20) + " MiB are available");
+    throw Error(ErrorCode::Memory, path.string() + ": its points need " + neededText(bytes) + ", and only " +
+                                       limitText(left) + " are available");
   return count;
 }
 

@@ -5,9 +5,12 @@
 #include <mutex>
 #include <string>
 
+#include "base/memory.h"
+
 namespace raymap::vulkan {
 
 void openLoader() {
+  allowAllocations();  // Drivers map far more than they use.
   static const VkResult result = volkInitialize();
   if (result != VK_SUCCESS)
     throw Error(ErrorCode::Unsupported, "there is no Vulkan loader (libvulkan.so.1); install libvulkan1");

@@ -192,7 +192,7 @@ uint64_t Device::availableMemory(uint32_t memoryType) const {
     available -= std::min(available, heldMemory_);
   }
   const bool isHosts = info_.type == DeviceType::Software || info_.type == DeviceType::Integrated;
-  return isHosts ? std::min<uint64_t>(available, raymap::availableMemory()) : available;
+  return isHosts ? std::min<uint64_t>(available, raymap::memoryLeft()) : available;
 }
 
 void Device::setName(VkObjectType type, uint64_t handle, const std::string& name) const {

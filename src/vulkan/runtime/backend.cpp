@@ -312,7 +312,8 @@ const CellMesh& Backend::cellMesh() {
 }
 
 size_t Backend::bytesLeft() const {
-  return job_->machine.memoryLimit == 0 ? availableMemory() : device_->memoryLeft();
+  const size_t left = memoryLeft();
+  return job_->machine.memoryLimit == 0 ? left : std::min<size_t>(left, device_->memoryLeft());
 }
 
 void Backend::addPatch() {
