@@ -310,8 +310,8 @@ int slabThickness(const Surface& surface, const Grid& grid, const RegionOptions&
   auto planes = int(std::max<size_t>(kManySamples / plane, 1));
   if (planes > kBest) planes -= planes % kBest;
   planes = std::min(planes, grid.dims.z);
-  const size_t left = memoryLeft(), held = surface.bytes();
-  const size_t most = held + std::min(left, SIZE_MAX - held);
+  // A quarter is for what the checks of each slab find to be held by then.
+  const size_t left = memoryLeft() / 4 * 3, most = surface.bytes() + left;
   const auto fits = [&] { return slabBytes(surface, grid, planes, options, machine) <= most; };
   while (planes > 1 && !fits()) planes = planes > kBest ? (planes - 1) / kBest * kBest : planes / 2;
   return planes;

@@ -10,8 +10,8 @@ namespace raymap {
 /// Work that would exceed the bound throws `Error(Memory)` before it begins. `MachineOptions::memoryLimit`
 /// bounds a single call in addition. 0 = no bound. Takes effect for all threads; call it once, early.
 ///
-/// A strict bound also makes every allocation beyond it fail with `std::bad_alloc`, those of the program's own
-/// code too. It holds until a GPU's driver is loaded, as drivers map far more than they use. Throws
+/// A strict bound also makes every allocation beyond it fail with `std::bad_alloc`, those of the program's
+/// own code too. It holds until a GPU's driver is loaded, as drivers map far more than they use. Throws
 /// `Error(Memory)` if the process holds more already.
 RAYMAP_API void limitMemory(size_t bytes, bool isStrict = false);
 

@@ -29,3 +29,6 @@ REFUSE(raymap_result raymap_field_write(const raymap_field*, const char*, const 
 REFUSE(raymap_result raymap_sparse_field_write(const raymap_sparse_field*, const char*))
 RETURN_NULL(char* raymap_inspection_json(const raymap_inspection*))
 RETURN_NULL(char* raymap_repaired_json(const raymap_repaired*))
+
+#undef REFUSE
+#undef RETURN_NULL

@@ -44,3 +44,6 @@ int32_t raymap_picture_height(const raymap_picture*) {
 const uint8_t* raymap_picture_rgb(const raymap_picture*) {
   return nullptr;
 }
+
+#undef REFUSE
+#undef RETURN_NULL

@@ -121,7 +121,7 @@ TEST_F(CliCompare, DrawsAndComparesTheOtherArrays) {
                 "aw.nrrd: it holds the array 'winding', not 'triangle'; leave out --as");
   expectFailure("render aw.nrrd -o f.png --slice z --as distance", ErrorCode::Usage, "leave out --as");
   expectFailure("render a.nrrd -o f.png --slice z --as colour", ErrorCode::Usage, "--as");
-  expectFailure("mesh aw.nrrd -o f.ply", ErrorCode::Usage, "it has no distances");
+  expectFailure("mesh aw.nrrd -o f.ply", ErrorCode::Usage, "and no distances");
   EXPECT_FALSE(fs::exists(path("f.png")));
 }
 

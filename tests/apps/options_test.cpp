@@ -74,8 +74,8 @@ TEST_F(CliOptions, AreDescribedAlikeInEveryCommand) {
   };
   expectIn("--threads",
            {"generate", "info", "check", "query", "sample", "mesh", "render", "view", "repair", "simplify"});
-  expectIn("--memory-limit",
-           {"generate", "info", "check", "query", "sample", "mesh", "render", "view", "repair"});
+  expectIn("--memory-limit", {"generate", "info", "check", "query", "sample", "mesh", "render", "view",
+                              "repair", "simplify", "compare", "convert"});
   expectIn("--device", {"generate", "mesh", "render", "view", "repair"});
   expectIn("--stats", {"generate", "query", "sample", "mesh", "repair", "simplify"});
   expectIn("--json", {"generate", "info", "check", "query", "sample", "mesh", "repair", "simplify", "compare",
