@@ -70,7 +70,7 @@ COMMANDS = {
     "points": ["query @mesh.ply {file} -o o.{results} " + ARRAYS, "query @mesh.ply {file} -o o.ply --colour",
                "query @field.npz {file} -o o.{results} --stats s.json"],
     "offsets": ["generate @mesh.ply -o o.npz --sign {steps} --offsets {file} " + GRID],
-    "part": ["generate @mesh.ply -o o.npy --device cpu --resolution 64 --memory-limit 5MB"],
+    "part": ["generate @mesh.ply -o o.npy --device cpu --resolution 160 --memory-limit 70MB"],
 }
 
 
