@@ -60,8 +60,8 @@ raymap_result raymap_default_threads(int32_t* threads) {
   return guard([&] { need(threads, "the number of threads") = defaultThreads(); });
 }
 
-raymap_result raymap_limit_memory(uint64_t bytes, int32_t is_strict) {
-  return guard([&] { limitMemory(bytes, is_strict != 0); });
+raymap_result raymap_limit_memory(uint64_t bytes, int32_t isStrict) {
+  return guard([&] { limitMemory(bytes, isStrict != 0); });
 }
 
 uint64_t raymap_memory_left(void) {
