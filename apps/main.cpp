@@ -11,6 +11,7 @@
 
 #include "commands.h"
 #include "options.h"
+#include "report.h"
 #include "terminal.h"
 #include "usage.h"
 
@@ -61,8 +62,11 @@ int failAsBug(const std::exception& error) {
   return fail(1, std::string("this is a bug, please report it: ") + error.what());
 }
 
-constexpr const char* kOutOfMemory =
-    "out of memory; use a lower resolution, or allow more by --memory-limit where it is given";
+int failOfMemory() {
+  return fail(exitCodeOf(ErrorCode::Memory), "out of memory: the work needs more than the " +
+                                                 sizeText(peakMemory()) +
+                                                 " that it held; allow more, or use a lower resolution");
+}
 
 /// Returns the command that was understood, for example "raymap generate".
 std::string commandName(const CLI::App& app) {
@@ -148,10 +152,10 @@ int main(int argc, char** argv) {
     const bool isStopped = error.code() == ErrorCode::Cancelled && caughtSignal() != 0;
     return fail(isStopped ? 128 + caughtSignal() : exitCodeOf(error.code()), error.what());
   } catch (const std::bad_alloc&) {
-    return fail(exitCodeOf(ErrorCode::Memory), kOutOfMemory);
+    return failOfMemory();
   } catch (const std::system_error& error) {
     const bool isMemory = error.code() == std::errc::resource_unavailable_try_again;  // For a thread.
-    return isMemory ? fail(exitCodeOf(ErrorCode::Memory), kOutOfMemory) : failAsBug(error);
+    return isMemory ? failOfMemory() : failAsBug(error);
   } catch (const std::exception& error) {
     return failAsBug(error);
   }

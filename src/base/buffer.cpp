@@ -72,7 +72,8 @@ void* allocatePages(size_t bytes) {
   if (bytes <= SIZE_MAX / 2)
     memory = isMapped(bytes) ? map(bytes) : std::aligned_alloc(kCacheLine, roundUp(bytes, kCacheLine));
   if (!memory)
-    throw Error(ErrorCode::Memory, "cannot allocate " + neededText(bytes) + "; use a lower resolution");
+    throw Error(ErrorCode::Memory,
+                "cannot allocate " + neededText(bytes) + "; allow more memory, or use a lower resolution");
   return memory;
 }
 
