@@ -4,6 +4,7 @@
 #include <raymap/atomic_file.h>
 #include <raymap/error.h>
 #include <spawn.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -55,8 +56,13 @@ int start(const std::string& ffmpeg, pid_t& process, int pictures, int messages,
   posix_spawn_file_actions_adddup2(&files, messages, STDERR_FILENO);
   posix_spawn_file_actions_adddup2(&files, result, 3);
   posix_spawn_file_actions_addopen(&files, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
+  rlimit own{};  // A strict limit of this process (limitMemory) is not one of ffmpeg.
+  getrlimit(RLIMIT_DATA, &own);
+  const rlimit whole{own.rlim_max, own.rlim_max};
+  setrlimit(RLIMIT_DATA, &whole);
   const int error =
       posix_spawn(&process, ffmpeg.c_str(), &files, nullptr, const_cast<char* const*>(words.data()), environ);
+  setrlimit(RLIMIT_DATA, &own);
   posix_spawn_file_actions_destroy(&files);
   return error;
 }

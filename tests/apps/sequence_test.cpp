@@ -163,9 +163,10 @@ TEST_F(CliSequence, GivesFfmpegThePicturesOfAMovie) {
     std::ofstream(path("bin/ffmpeg")) << "#!/bin/sh\n" << script;
     fs::permissions(path("bin/ffmpeg"), fs::perms::owner_all);
   };
-  writeFfmpeg("echo \"$@\" > words; cat > pictures; printf movie > /dev/fd/3\n");
-  EXPECT_EQ(run(render + "'a;b $x.mp4'", "PATH=$PWD/bin:$PATH").code, 0);
+  writeFfmpeg("echo \"$@\" > words; ulimit -d > limit; cat > pictures; printf movie > /dev/fd/3\n");
+  EXPECT_EQ(run(render + "'a;b $x.mp4' --memory-limit 4GB", "PATH=$PWD/bin:$PATH").code, 0);
   EXPECT_EQ(readBytes(path("a;b $x.mp4")), "movie");
+  EXPECT_EQ(readBytes(path("limit")), shell("ulimit -d").out) << "The limit is one of raymap.";
   EXPECT_EQ(fs::file_size(path("pictures")), 3u * 80 * 60 * 3);
   const std::string words = readBytes(path("words"));
   EXPECT_NE(words.find("-s 80x60 -r 2 "), std::string::npos) << words;
