@@ -310,7 +310,7 @@ int slabThickness(const Surface& surface, const Grid& grid, const RegionOptions&
   auto planes = int(std::max<size_t>(kManySamples / plane, 1));
   if (planes > kBest) planes -= planes % kBest;
   planes = std::min(planes, grid.dims.z);
-  // A quarter is for what the checks of each slab find to be held by then.
+  // Leaves a quarter: more may be held when a later slab is checked.
   const size_t left = memoryLeft() / 4 * 3, most = surface.bytes() + left;
   const auto fits = [&] { return slabBytes(surface, grid, planes, options, machine) <= most; };
   while (planes > 1 && !fits()) planes = planes > kBest ? (planes - 1) / kBest * kBest : planes / 2;

@@ -26,8 +26,7 @@ void warnOfMisfit(const Stats& stats, const WarningCallback& warn) {
   if (warn && !stats.orientationFits)
     warn({WarningCode::OrientationMisfit,
           "the faces contradict each other, whichever way each of them points, so signs may be wrong; find "
-          "out "
-          "what is wrong with the mesh, and mend it",
+          "out what is wrong with the mesh, and mend it",
           {.share = stats.misfit}});
 }
 

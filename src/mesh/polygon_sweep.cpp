@@ -22,8 +22,7 @@ namespace {
 /// An edge between two sites, the first to the left of the second.
 struct SweepEdge {
   uint32_t from, to;
-  int winding;  ///< What crossing it upwards adds to the winding number: 1 if the polygon goes right, -1
-                ///< left.
+  int winding;  ///< Change of the winding number from below to above: 1 if the polygon goes right, -1 left.
 };
 
 /// The space above an edge, up to the next. If it is inside the polygon, a chain of links bounds it on the

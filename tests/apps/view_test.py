@@ -731,7 +731,7 @@ class ViewTest(unittest.TestCase):
             window.until(lambda: recorded.exists() and recorded.stat().st_size >= 3 * width * height * frames)
             return int(pathlib.Path(f"/proc/{window.process.pid}/status").read_text().split("VmRSS:")[1].split()[0])
 
-        # What is kept of each frame makes every part grow. Threads and the driver reserve memory in some parts only.
+        # A leak makes every part grow. Threads and the driver reserve memory in some parts only.
         most, held = 200, [memory(100)]  # 2 kB a frame; its picture alone has 9
         while len(held) < 15 and (len(held) == 1 or held[-1] - held[-2] >= most):
             held.append(memory(100 * (len(held) + 1)))

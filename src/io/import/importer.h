@@ -30,7 +30,7 @@ class Importer {
   [[noreturn]] void failOfMemory() const;
 
   std::filesystem::path file_;
-  uint64_t fullMemory_, memory_;  ///< What a file of this size may take, and what the child may.
+  uint64_t fullMemory_, memory_;  ///< Most bytes for a file of this size, and for the child.
   ChildProcess child_;
   std::string message_;
 };
