@@ -1,9 +1,9 @@
 #include "base/memory.h"
 
 #include <gtest/gtest.h>
+#include <raymap/buffer.h>
 #include <sys/resource.h>
 
-#include <cstdlib>
 #include <fstream>
 #include <new>
 #include <string>
@@ -97,7 +97,7 @@ TEST(LimitMemory, LeavesWhatIsNotHeld) {
   const size_t left = memoryLeft();
   limitMemory(1);
   EXPECT_EQ(memoryLeft(), 0u);
-  EXPECT_NE(std::malloc(1000), nullptr) << "The bound is not strict.";
+  EXPECT_FALSE(codeOf([] { const Buffer<char> held(kMore); })) << "The bound is not strict.";
   limitMemory(0);
   EXPECT_GT(left, kMore - kChange);
   EXPECT_LT(left, kMore);
@@ -108,6 +108,7 @@ TEST(LimitMemory, MakesAllocationsFailIfItIsStrict) {
   constexpr size_t kMore = size_t{64} << 20;
   const size_t before = heldBytes("VmRSS:");
   limitMemory(before + kMore, true);
+  EXPECT_EQ(codeOf([] { Buffer<char>(2 * kMore); }), ErrorCode::Memory);
   EXPECT_THROW(std::vector<char>(2 * kMore), std::bad_alloc);
   EXPECT_NO_THROW(std::vector<char>(kMore / 4));
   allowAllocations();
