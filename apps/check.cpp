@@ -9,7 +9,6 @@
 #include "commands.h"
 #include "field_options.h"
 #include "mesh_units.h"
-#include "options.h"
 #include "report.h"
 #include "terminal.h"
 #include "verdict.h"
@@ -93,22 +92,20 @@ void run(CheckArguments& arguments) {
     }
   finishText();
   if (code == 0 && !areGood) code = kBadMesh;
-  if (code != 0) throw CLI::RuntimeError(code);
+  if (code != 0) throw ExitCode{code};
 }
 
 }  // namespace
 
-void addCheck(CLI::App& app) {
-  CLI::App* command = app.add_subcommand("check", "Report whether each mesh is a clean solid");
-  const auto arguments = std::make_shared<CheckArguments>();
-  command->add_option("meshes", arguments->meshes, "Meshes to read")->type_name("MESH...")->required();
-  addOption(*command, "--format", arguments->format.given);
-  addJsonOption(*command, arguments->isJson);
-  addUnitOptions(*command, arguments->units);
-  addOption(*command, "--fast", arguments->isFast);
-  addCpuOptions(*command, arguments->machine);
-  command->footer(kCheckFooter);
-  command->callback([arguments] { run(*arguments); });
+void addCheck(Program& program) {
+  Command& command = program.addCommand("check", "Report whether each mesh is a clean solid", kCheckFooter);
+  auto& arguments = command.runs<CheckArguments>(run);
+  addOperand(command, "MESH...", &arguments.meshes, "Meshes to read");
+  addOptions(command, {{"--format", &arguments.format.given}});
+  addJsonOption(command, arguments.isJson);
+  addUnitOptions(command, arguments.units);
+  addOptions(command, {{"--fast", &arguments.isFast}});
+  addCpuOptions(command, arguments.machine);
 }
 
 }  // namespace raymap

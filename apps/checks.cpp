@@ -4,15 +4,14 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <cctype>
 #include <charconv>
 #include <cmath>
-#include <cstdint>
+#include <cstdlib>
 #include <limits>
 #include <optional>
-#include <type_traits>
 
 #include "terminal.h"
+#include "text.h"
 
 namespace raymap {
 
@@ -23,15 +22,9 @@ namespace {
 constexpr const char* kStdin = "/dev/stdin";
 constexpr const char* kStdout = "/dev/stdout";
 
-std::string listOf(const std::vector<std::string>& extensions) {
-  std::string text;
-  for (const std::string& extension : extensions) text += (text.empty() ? "" : " ") + extension;
-  return text;
-}
-
 /// Returns "one of .ply .stl", or ".png".
 std::string endings(const std::vector<std::string>& extensions) {
-  return (extensions.size() > 1 ? "one of " : "") + listOf(extensions);
+  return (extensions.size() > 1 ? "one of " : "") + joined(extensions, " ");
 }
 
 /// Returns whether a path leads to a pipe, a device, or a descriptor such as /dev/stdout.
@@ -109,9 +102,7 @@ void checkRepeated(const std::string& name, const std::vector<Input>& inputs,
 void assignFormat(StreamFormat& format, const std::vector<Input>& inputs,
                   const std::vector<Output>& outputs) {
   if (format.given.empty()) return;
-  std::string name = (format.given.starts_with('.') ? "" : ".") + format.given;
-  std::transform(name.begin(), name.end(), name.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  const std::string name = lower((format.given.starts_with('.') ? "" : ".") + format.given);
   std::vector<std::string> asked;
   const auto assign = [&](const auto& files, std::string& to) {
     if (!asked.empty()) return;
@@ -133,11 +124,11 @@ void assignFormat(StreamFormat& format, const std::vector<Input>& inputs,
 
 /// Returns the factor of a unit such as "", "B", "k", "MB" or "GiB"; 0 if there is no such unit.
 double factorOf(std::string unit) {
-  std::ranges::transform(unit, unit.begin(), [](unsigned char c) { return std::toupper(c); });
+  unit = lower(unit);
   double factor = 1.0;
-  for (const char* prefix : {"", "K", "M", "G", "T"}) {
+  for (const char* prefix : {"", "k", "m", "g", "t"}) {
     const std::string name = prefix;
-    if (unit == name || unit == name + "B" || (!name.empty() && unit == name + "IB")) return factor;
+    if (unit == name || unit == name + "b" || (!name.empty() && unit == name + "ib")) return factor;
     factor *= 1024.0;
   }
   return 0.0;
@@ -164,66 +155,68 @@ void checkInputs(const std::vector<Output>& outputs, const std::vector<fs::path>
                                           input.string() + "; to replace it: --overwrite");
 }
 
+std::optional<double> numberIn(const std::string& text) {
+  char* end = nullptr;
+  const double value = double(std::strtold(text.c_str(), &end));
+  return !text.empty() && end == text.c_str() + text.size() ? std::optional(value) : std::nullopt;
+}
+
 namespace {
 
-/// Accepts a text that is a value which `isIn` accepts.
-template <class Value, class IsIn>
-CLI::Validator valueIn(const std::string& range, IsIn isIn) {
-  return {[=](const std::string& text) -> std::string {
-            Value value{};
-            const bool isNegated =
-                std::is_unsigned_v<Value> && text.starts_with('-');  // CLI11 would wrap it.
-            if (!isNegated && CLI::detail::lexical_cast(text, value) && isIn(value)) return {};
-            return "must be " + range + ", not " + text;
-          },
-          ""};
+/// Returns a text that is right. Throws otherwise.
+std::string accepted(const std::string& text, bool isRight, const std::string& wanted) {
+  if (!isRight) throw Error(ErrorCode::Usage, "must be " + wanted + ", not " + text);
+  return text;
+}
+
+std::string whole(const std::string& text, uint64_t low, uint64_t high) {
+  char* end = nullptr;
+  const uint64_t value = std::strtoull(text.c_str(), &end, 0);
+  const bool isWhole = !text.empty() && !text.starts_with('-') && end == text.c_str() + text.size();
+  accepted(text, isWhole && value >= low && value <= high,
+           "a whole number from " + std::to_string(low) + " to " + std::to_string(high));
+  return std::to_string(value);
 }
 
 }  // namespace
 
-CLI::Validator numberFrom(double low, bool isOpen) {
-  return valueIn<double>(
-      std::string("a number ") + (isOpen ? "above " : "at least ") + CLI::detail::to_string(low),
-      [=](double value) { return std::isfinite(value) && (isOpen ? value > low : value >= low); });
+std::string chosen(const std::vector<std::string>& choices, const std::string& text) {
+  const std::string known = canonical(text);
+  accepted(text, std::ranges::count(choices, known) > 0, "one of " + joined(choices, ", "));
+  return known;
 }
 
-CLI::Validator anyNumber() {
-  return valueIn<double>("a number", [](double value) { return std::isfinite(value); });
-}
-
-CLI::Validator wholeNumberFrom(int low) {
-  return valueIn<int>(
-      "a whole number from " + std::to_string(low) + " to " + std::to_string(std::numeric_limits<int>::max()),
-      [=](int value) { return value >= low; });
-}
-
-CLI::Validator wholeNumber() {
-  return valueIn<uint64_t>("a whole number from 0 to " + std::to_string(std::numeric_limits<uint64_t>::max()),
-                           [](uint64_t) { return true; });
-}
-
-CLI::Validator sizeInBytes() {
-  return {[](std::string& text) -> std::string {
-            const std::optional<uint64_t> bytes = bytesOf(text);
-            if (!bytes) return "must be a size such as 500MB, 1.5GB or 1e9, not " + text;
-            text = std::to_string(*bytes);
-            return {};
-          },
-          ""};
-}
-
-std::string alternatives(const std::vector<std::string>& words) {
-  std::string list;
-  for (size_t i = 0; i < words.size(); ++i)
-    list += (i == 0 ? "" : i + 1 < words.size() ? ", " : " or ") + words[i];
-  return list;
+std::string checkedValue(const OptionRow& row, const std::string& text) {
+  constexpr uint64_t kMostInt = std::numeric_limits<int>::max();
+  if (row.choices != nullptr) return chosen(row.choices(), text);
+  if (row.takes <= Takes::Choice) return text;
+  const std::optional<double> number = numberIn(text);
+  const bool isFinite = number && std::isfinite(*number);
+  switch (row.takes) {
+    case Takes::Bytes: {
+      const std::optional<uint64_t> bytes = bytesOf(text);
+      accepted(text, bytes.has_value(), "a size such as 500MB, 1.5GB or 1e9");
+      return std::to_string(*bytes);
+    }
+    case Takes::Count:
+      return whole(text, 0, kMostInt);
+    case Takes::Natural:
+    case Takes::Pair:
+    case Takes::Triple:
+      return whole(text, 1, kMostInt);
+    case Takes::Whole:
+      return whole(text, 0, std::numeric_limits<uint64_t>::max());
+    case Takes::FromZero:
+      return accepted(text, isFinite && *number >= 0.0, "a number at least 0");
+    case Takes::AboveZero:
+      return accepted(text, isFinite && *number > 0.0, "a number above 0");
+    default:
+      return accepted(text, isFinite, "a number");
+  }
 }
 
 bool hasExtension(const fs::path& path, const std::vector<std::string>& extensions) {
-  std::string extension = path.extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return std::find(extensions.begin(), extensions.end(), extension) != extensions.end();
+  return std::ranges::count(extensions, lower(path.extension().string())) > 0;
 }
 
 void prepareFiles(StreamFormat& format, const std::vector<Input>& inputs,
@@ -234,6 +227,9 @@ void prepareFiles(StreamFormat& format, const std::vector<Input>& inputs,
   checkOutputs(outputs, format.output);
   for (const Output& output : outputs)
     if (output.path == kStdout) output.path = keepStdoutForData();
+  std::vector<fs::path> read;
+  for (const Input& input : inputs) read.push_back(input.path);
+  if (!format.mayOverwrite) checkInputs(outputs, read);
   silenceText();
 }
 

@@ -1,26 +1,24 @@
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "options.h"
+
 namespace raymap {
 
-/// Accepts a finite number of at least `low`; above `low` if `isOpen`.
-CLI::Validator numberFrom(double low, bool isOpen = false);
+/// Returns the number that a text is; none if it is no number.
+std::optional<double> numberIn(const std::string& text);
 
-/// Accepts any finite number.
-CLI::Validator anyNumber();
+/// Returns a choice as the program spells it. Throws `Error(Usage)` if it is none.
+std::string chosen(const std::vector<std::string>& choices, const std::string& text);
 
-/// Accepts a whole number of at least `low` that fits into an int.
-CLI::Validator wholeNumberFrom(int low);
-
-/// Accepts a whole number from 0 on that fits into 64 bits.
-CLI::Validator wholeNumber();
-
-/// Replaces a size such as 500MB, 1.5GB or 1e9 by its number of bytes. Units are powers of 1024.
-CLI::Validator sizeInBytes();
+/// Returns a value as its option reads it: a size such as 1.5GB as its number of bytes, in units of powers of
+/// 1024; a whole number, which may be octal or hexadecimal, in decimal. Throws `Error(Usage)` if the option
+/// does not take it.
+std::string checkedValue(const OptionRow& row, const std::string& text);
 
 /// A file to read, and the extensions of the formats that it may have.
 struct Input {
@@ -35,11 +33,13 @@ struct Output {
   std::vector<std::string> extensions;
 };
 
-/// Option --format as given, and the extensions that it stands for; "": the names or the bytes tell.
+/// Option --format as given, and the extensions that it stands for; "": the names or the bytes tell. Further
+/// options for files.
 struct StreamFormat {
   std::string given;
   std::string input, output;
-  std::string grid;  ///< Option --grid: name of the grid to read.
+  std::string grid;           ///< Option --grid: name of the grid to read.
+  bool mayOverwrite = false;  ///< Option --overwrite.
 };
 
 /// Prepares the files of a command:
@@ -47,16 +47,13 @@ struct StreamFormat {
 /// - Finds which files --format is about: those to write whose names do not tell their format, or else those
 ///   to read.
 /// - Finds what would fail at the end of a long run: an unknown extension, a missing or read-only folder, a
-///   file named twice.
+///   file named twice, an output that is an input.
 ///
 /// Throws `Error(Usage)` or `Error(File)`.
 void prepareFiles(StreamFormat& format, const std::vector<Input>& inputs, const std::vector<Output>& outputs);
 
 /// Throws `Error(Usage)` if an output is the same file as an input, also through links.
 void checkInputs(const std::vector<Output>& outputs, const std::vector<std::filesystem::path>& inputs);
-
-/// Returns words as "a", "a or b", "a, b or c".
-std::string alternatives(const std::vector<std::string>& words);
 
 /// Returns whether a path has one of these extensions, in upper or lower case.
 bool hasExtension(const std::filesystem::path& path, const std::vector<std::string>& extensions);

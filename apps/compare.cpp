@@ -8,7 +8,6 @@
 #include "commands.h"
 #include "field_array.h"
 #include "field_options.h"
-#include "options.h"
 #include "report.h"
 #include "terminal.h"
 
@@ -33,7 +32,7 @@ struct CompareArguments {
   fs::path a, b, picture;
   std::string as;
   size_t memoryLimit = 0;
-  bool isJson = false, mayOverwrite = false;
+  bool isJson = false;
 };
 
 void printCount(const char* what, size_t count, const Comparison& found) {
@@ -101,7 +100,6 @@ void run(CompareArguments& arguments) {
   const std::vector<Output> outputs{{"--output", arguments.picture, {".png"}}};
   prepareFiles(arguments.format, {{arguments.a, fieldExtensions()}, {arguments.b, fieldExtensions()}},
                outputs);
-  if (!arguments.mayOverwrite) checkInputs(outputs, {arguments.a, arguments.b});
   auto a = load(arguments.a, arguments), b = load(arguments.b, arguments);
   if (a.index() != b.index()) a = dense(std::move(a)), b = dense(std::move(b));
   if (Field* first = std::get_if<Field>(&a))
@@ -112,20 +110,18 @@ void run(CompareArguments& arguments) {
 
 }  // namespace
 
-void addCompare(CLI::App& app) {
-  CLI::App* command = app.add_subcommand("compare", "Compare two fields on the same grid");
-  const auto arguments = std::make_shared<CompareArguments>();
-  command->add_option("a", arguments->a, "First field")->type_name("FIELD")->required();
-  command->add_option("b", arguments->b, "Second field")->type_name("FIELD")->required();
-  addOutput(*command, arguments->picture, "Picture of the differences to write", {".png"});
-  addOption(*command, "--format", arguments->format.given);
-  addOption(*command, "--grid", arguments->format.grid);
-  addOption(*command, "--as", arguments->as);
-  addOption(*command, "--overwrite", arguments->mayOverwrite);
-  addMemoryLimit(*command, arguments->memoryLimit);
-  addJsonOption(*command, arguments->isJson);
-  command->footer(kCompareFooter);
-  command->callback([arguments] { run(*arguments); });
+void addCompare(Program& program) {
+  Command& command = program.addCommand("compare", "Compare two fields on the same grid", kCompareFooter);
+  auto& arguments = command.runs<CompareArguments>(run);
+  addOperand(command, "FIELD", &arguments.a, "First field");
+  addOperand(command, "FIELD", &arguments.b, "Second field");
+  addOutput(command, arguments.picture, "Picture of the differences to write", {".png"});
+  addOptions(command, {{"--format", &arguments.format.given},
+                       {"--grid", &arguments.format.grid},
+                       {"--as", &arguments.as},
+                       {"--overwrite", &arguments.format.mayOverwrite}});
+  addMemoryLimit(command, arguments.memoryLimit);
+  addJsonOption(command, arguments.isJson);
 }
 
 }  // namespace raymap

@@ -11,9 +11,9 @@
 #include "field_options.h"
 #include "mesh_output.h"
 #include "mesh_units.h"
-#include "options.h"
 #include "report.h"
 #include "terminal.h"
+#include "text.h"
 
 namespace raymap {
 
@@ -23,7 +23,7 @@ struct ConvertArguments {
   StreamFormat format;
   std::filesystem::path input, output;
   std::vector<std::filesystem::path> others;  ///< Further inputs; without -o the output.
-  bool mayOverwrite = false, half = false;
+  bool half = false;
   std::string gridName;
   MeshUnits units;
   size_t memoryLimit = 0;
@@ -162,7 +162,6 @@ void run(ConvertArguments& arguments) {
   prepareFiles(arguments.format, files, outputs);
   std::vector<std::filesystem::path> inputs{arguments.input};
   inputs.insert(inputs.end(), arguments.others.begin(), arguments.others.end());
-  if (!arguments.mayOverwrite) checkInputs(outputs, inputs);
   if (inputs.size() > 1) return joinBands(arguments, inputs);
   std::vector<glm::dvec3> exact;
   auto read = loadMeshFieldOrBand(arguments.input, arguments.format.input, arguments.format.grid, &exact);
@@ -176,32 +175,28 @@ void run(ConvertArguments& arguments) {
 
 }  // namespace
 
-void addConvert(CLI::App& app) {
-  CLI::App* command = app.add_subcommand("convert", "Convert a field or a mesh to another format");
-  const auto arguments = std::make_shared<ConvertArguments>();
-  command->add_option("input", arguments->input, "Field or mesh to read")
-      ->type_name("FIELD|MESH")
-      ->required();
-  command
-      ->add_option("files", arguments->others,
-                   "File to write, in place of --output; with it, level sets to write into the same file")
-      ->type_name("FILE...");
-  addOutput(*command, arguments->output,
-            "File to write. Of a field: " + alternatives(fieldExtensions()) +
-                ". Of a mesh: " + alternatives(writableMeshExtensions()));
-  addOption(*command, "--format", arguments->format.given);
-  addOption(*command, "--grid", arguments->format.grid);
-  addOption(*command, "--grid-name", arguments->gridName);
-  addOption(*command, "--half", arguments->half);
-  addOption(*command, "--overwrite", arguments->mayOverwrite);
-  command->footer(
+void addConvert(Program& program) {
+  Command& command = program.addCommand(
+      "convert", "Convert a field or a mesh to another format",
       "Examples:\n  raymap convert bunny.vdb -o bunny.nrrd\n  raymap convert bunny.vdb -o bunny.nvdb\n  "
       "raymap convert bunny.3mf -o bunny.ply\n"
       "  raymap convert body.vdb hull.vdb -o both.vdb     (its grids are 'body' and 'hull')\n"
       "  raymap convert car.glb -o car.3mf --unit mm --up y");
-  addMeshOutputOptions(*command, arguments->units);
-  addMemoryLimit(*command, arguments->memoryLimit);
-  command->callback([arguments] { run(*arguments); });
+  auto& arguments = command.runs<ConvertArguments>(run);
+  addOperand(command, "FIELD|MESH", &arguments.input, "Field or mesh to read");
+  addOperand(command, "FILE...", &arguments.others,
+             "File to write, in place of --output; with it, level sets to write into the same file")
+      .isRequired = false;
+  addOutput(command, arguments.output,
+            "File to write. Of a field: " + joined(fieldExtensions(), ", ", " or ") +
+                ". Of a mesh: " + joined(writableMeshExtensions(), ", ", " or "));
+  addOptions(command, {{"--format", &arguments.format.given},
+                       {"--grid", &arguments.format.grid},
+                       {"--grid-name", &arguments.gridName},
+                       {"--half", &arguments.half},
+                       {"--overwrite", &arguments.format.mayOverwrite}});
+  addMeshOutputOptions(command, arguments.units);
+  addMemoryLimit(command, arguments.memoryLimit);
 }
 
 }  // namespace raymap

@@ -9,7 +9,6 @@
 #include <iostream>
 
 #include "commands.h"
-#include "options.h"
 #include "report.h"
 #include "terminal.h"
 
@@ -105,21 +104,21 @@ void testAll(const std::string& asked, bool isJson) {
   std::cout.flush();
   std::fflush(stdout);
   if (hangs) _exit(kFailedTest);  // An orderly end would wait for the driver.
-  if (!isPassed) throw CLI::RuntimeError(kFailedTest);
+  if (!isPassed) throw ExitCode{kFailedTest};
 }
 
 }  // namespace
 
-void addDevices(CLI::App& app) {
-  CLI::App* command = app.add_subcommand("devices", "List the devices that can compute a field");
+void addDevices(Program& program) {
+  Command& command =
+      program.addCommand("devices", "List the devices that can compute a field", kDevicesFooter);
   const auto isJson = std::make_shared<bool>(false);
-  addJsonOption(*command, *isJson);
+  addJsonOption(command, *isJson);
   const auto tested = std::make_shared<std::string>();
-  CLI::Option* test = addOption(*command, "--test", *tested)->expected(0, 1);
-  command->footer(kDevicesFooter);
-  command->callback([isJson, tested, test] {
+  addOptions(command, {{"--test", tested.get()}});
+  command.run = [isJson, tested, &command] {
     silenceText();
-    if (test->count() > 0) {
+    if (command.isGiven("--test")) {
       testAll(*tested, *isJson);
       return;
     }
@@ -128,7 +127,7 @@ void addDevices(CLI::App& app) {
       std::cout << textOf({{"devices", toJson(list.devices)}, {"note", list.note}});
     else
       print(list);
-  });
+  };
 }
 
 }  // namespace raymap

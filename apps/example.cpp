@@ -3,29 +3,33 @@
 #include "checks.h"
 #include "commands.h"
 #include "example_mesh.h"
-#include "options.h"
 #include "report.h"
 
 namespace raymap {
 
-void addExample(CLI::App& app) {
-  struct Arguments {
-    std::filesystem::path mesh;
-    bool holes = false, isFine = false;
-  };
-  CLI::App* command =
-      app.add_subcommand("example", "Write an example mesh as .ply: a globe of 95,000 triangles");
-  const auto arguments = std::make_shared<Arguments>();
-  addOutput(*command, arguments->mesh, "Mesh to write", {".ply"})->required();
-  addOption(*command, "--holes", arguments->holes);
-  addOption(*command, "--fine", arguments->isFine);
-  command->footer("Example:\n  raymap example -o torn.ply --holes");
-  command->callback([arguments] {
-    StreamFormat format;
-    prepareFiles(format, {}, {{"--output", arguments->mesh, {".ply"}}});
-    writeMesh(arguments->mesh, makeExampleMesh(arguments->holes, arguments->isFine), {.format = ".ply"});
-    printWritten(arguments->mesh);
-  });
+namespace {
+
+struct ExampleArguments {
+  std::filesystem::path mesh;
+  bool holes = false, isFine = false;
+};
+
+void run(ExampleArguments& arguments) {
+  StreamFormat format;
+  prepareFiles(format, {}, {{"--output", arguments.mesh, {".ply"}}});
+  writeMesh(arguments.mesh, makeExampleMesh(arguments.holes, arguments.isFine), {.format = ".ply"});
+  printWritten(arguments.mesh);
+}
+
+}  // namespace
+
+void addExample(Program& program) {
+  Command& command =
+      program.addCommand("example", "Write an example mesh as .ply: a globe of 95,000 triangles",
+                         "Example:\n  raymap example -o torn.ply --holes");
+  auto& arguments = command.runs<ExampleArguments>(run);
+  addOutput(command, arguments.mesh, "Mesh to write", {".ply"}).isRequired = true;
+  addOptions(command, {{"--holes", &arguments.holes}, {"--fine", &arguments.isFine}});
 }
 
 }  // namespace raymap

@@ -8,58 +8,56 @@
 #include <string>
 
 #include "first_use.h"
-#include "options.h"
+#include "parser.h"
 #include "read_offsets.h"
 #include "terminal.h"
 #include "warnings.h"
 
 namespace raymap {
 
-void addMethodOptions(CLI::App& command, FieldArguments& arguments) {
+void addMethodOptions(Command& command, FieldArguments& arguments) {
   FieldOptions& options = arguments.options;
-  addOption(command, "--distance", arguments.distance);
-  addOption(command, "--sign", arguments.sign);
-  addOption(command, "--orientation", arguments.orientation);
-  addOption(command, "--passes", options.passes);
-  addOption(command, "--sampling", arguments.sampling);
-  addOption(command, "--offsets", arguments.offsets);
-  addOption(command, "--threshold", options.threshold);
-  addOption(command, "--band", options.band);
-  addOption(command, "--close-holes", options.closeHoles);
-  addOption(command, "--thickness", options.thickness);
-  addOption(command, "--invert", options.invert);
+  addOptions(command, {{"--distance", &arguments.distance},
+                       {"--sign", &arguments.sign},
+                       {"--orientation", &arguments.orientation},
+                       {"--passes", &options.passes},
+                       {"--sampling", &arguments.sampling},
+                       {"--offsets", &arguments.offsets},
+                       {"--threshold", &options.threshold},
+                       {"--band", &options.band},
+                       {"--close-holes", &options.closeHoles},
+                       {"--thickness", &options.thickness},
+                       {"--invert", &options.invert}});
 }
 
-void addSpacingOptions(CLI::App& command, GridOptions& grid) {
-  addOption(command, "--voxel-size", grid.voxelSize)
-      ->excludes(addOption(command, "--resolution", grid.resolution));
+void addSpacingOptions(Command& command, GridOptions& grid) {
+  addOptions(command, {{"--voxel-size", &grid.voxelSize}, {"--resolution", &grid.resolution}});
 }
 
-void addGridOptions(CLI::App& command, FieldArguments& arguments) {
+void addGridOptions(Command& command, FieldArguments& arguments) {
   addSpacingOptions(command, arguments.grid);
-  addOption(command, "--shape", arguments.shape)
-      ->excludes(command.get_option("--resolution"))
-      ->excludes(addOption(command, "--align", arguments.grid.align));
-  addOption(command, "--padding", arguments.grid.padding)
-      ->excludes(addOption(command, "--bounds", arguments.bounds));
+  addOptions(command, {{"--shape", &arguments.shape},
+                       {"--align", &arguments.grid.align},
+                       {"--padding", &arguments.grid.padding},
+                       {"--bounds", &arguments.bounds}});
 }
 
-void addMemoryLimit(CLI::App& command, size_t& limit) {
-  addOption(command, "--memory-limit", limit);
-  command.parse_complete_callback([&limit] { limitMemory(limit, true); });
+void addMemoryLimit(Command& command, size_t& limit) {
+  addOptions(command, {{"--memory-limit", &limit}});
+  command.prepare = [&limit] { limitMemory(limit, true); };
 }
 
-void addCpuOptions(CLI::App& command, MachineOptions& machine) {
-  addOption(command, "--threads", machine.threads);
+void addCpuOptions(Command& command, MachineOptions& machine) {
+  addOptions(command, {{"--threads", &machine.threads}});
   addMemoryLimit(command, machine.memoryLimit);
 }
 
-void addMachineOptions(CLI::App& command, MachineOptions& machine) {
-  addOption(command, "--device", machine.device);
+void addMachineOptions(Command& command, MachineOptions& machine) {
+  addOptions(command, {{"--device", &machine.device}});
   addCpuOptions(command, machine);
 }
 
-void addFieldOptions(CLI::App& command, FieldArguments& arguments) {
+void addFieldOptions(Command& command, FieldArguments& arguments) {
   addGridOptions(command, arguments);
   addMethodOptions(command, arguments);
   addMachineOptions(command, arguments.machine);

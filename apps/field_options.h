@@ -3,12 +3,12 @@
 #include <raymap/generate.h>
 #include <raymap/grid.h>
 
-#include <CLI/CLI.hpp>
 #include <filesystem>
 #include <string>
 #include <vector>
 
 #include "mesh_units.h"
+#include "parser.h"
 #include "terminal.h"
 
 namespace raymap {
@@ -26,16 +26,16 @@ struct FieldArguments {
 };
 
 /// Adds the options of all of them, in groups, to a command.
-void addFieldOptions(CLI::App& command, FieldArguments& arguments);
+void addFieldOptions(Command& command, FieldArguments& arguments);
 
 // Add some of them.
-void addSpacingOptions(CLI::App& command, GridOptions& grid);
-void addMethodOptions(CLI::App& command, FieldArguments& arguments);
-void addGridOptions(CLI::App& command, FieldArguments& arguments);
+void addSpacingOptions(Command& command, GridOptions& grid);
+void addMethodOptions(Command& command, FieldArguments& arguments);
+void addGridOptions(Command& command, FieldArguments& arguments);
 /// Adds the limit, which counts for all of the process from the end of parsing on.
-void addMemoryLimit(CLI::App& command, size_t& limit);
-void addCpuOptions(CLI::App& command, MachineOptions& machine);
-void addMachineOptions(CLI::App& command, MachineOptions& machine);
+void addMemoryLimit(Command& command, size_t& limit);
+void addCpuOptions(Command& command, MachineOptions& machine);
+void addMachineOptions(Command& command, MachineOptions& machine);
 
 /// Converts arguments given as text into `grid` and `options`. Throws `Error(Usage)` if they contradict each
 /// other.

@@ -14,7 +14,6 @@
 #include "commands.h"
 #include "field_options.h"
 #include "first_use.h"
-#include "options.h"
 #include "report.h"
 #include "sequence.h"
 #include "terminal.h"
@@ -43,7 +42,7 @@ struct GenerateArguments : FieldArguments {
   FrameArguments frames;
   fs::path mesh, field, triangleIds, winding, confidence, stats, report, reportPicture;
   std::string gridName;
-  bool mayOverwrite = false, half = false, fullInside = false;
+  bool half = false, fullInside = false;
 };
 
 /// Results of one run, for the summary and the statistics.
@@ -460,7 +459,7 @@ void checkFrames(const GenerateArguments& arguments, const Sequence& sequence) {
   for (size_t i = 0; i < sequence.size(); ++i) inputs.push_back(sequence.input(i));
   for (size_t i = 0; i < sequence.size(); ++i) {
     GenerateArguments one = argumentsOf(arguments, sequence, i);
-    if (!arguments.mayOverwrite) checkInputs(outputs(one), inputs);
+    if (!arguments.format.mayOverwrite) checkInputs(outputs(one), inputs);
   }
 }
 
@@ -509,7 +508,7 @@ void run(GenerateArguments& arguments) {
     throw Error(ErrorCode::Usage,
                 "--half is for a .vdb, .nvdb, .npy or .npz, and " + displayName(arguments.field) +
                     " is none: its format has no type for numbers of 16 bits; leave it out");
-  if (!arguments.mayOverwrite) checkInputs(outputs(arguments), {arguments.mesh, arguments.offsets});
+  if (!arguments.format.mayOverwrite) checkInputs(outputs(arguments), {arguments.offsets});
   testBeforeFirstUse(arguments.machine.device);
   if (arguments.frames.frames.empty())
     makeOne(arguments);
@@ -517,36 +516,34 @@ void run(GenerateArguments& arguments) {
     makeFrames(arguments);
 }
 
-void addOutputOptions(CLI::App& command, GenerateArguments& arguments) {
-  addOutput(command, arguments.field, "Field to write", fieldExtensions())->required();
-  addOption(command, "--format", arguments.format.given);
-  addOption(command, "--triangle-ids", arguments.triangleIds);
-  addOption(command, "--winding", arguments.winding);
-  addOption(command, "--confidence", arguments.confidence);
+void addOutputOptions(Command& command, GenerateArguments& arguments) {
+  addOutput(command, arguments.field, "Field to write", fieldExtensions()).isRequired = true;
+  addOptions(command, {{"--format", &arguments.format.given},
+                       {"--triangle-ids", &arguments.triangleIds},
+                       {"--winding", &arguments.winding},
+                       {"--confidence", &arguments.confidence}});
   addFigureOptions(command, arguments.stats);
-  addOption(command, "--report", arguments.report);
-  addOption(command, "--report-picture", arguments.reportPicture);
-  addOption(command, "--grid-name", arguments.gridName);
-  addOption(command, "--half", arguments.half);
-  addOption(command, "--overwrite", arguments.mayOverwrite);
+  addOptions(command, {{"--report", &arguments.report},
+                       {"--report-picture", &arguments.reportPicture},
+                       {"--grid-name", &arguments.gridName},
+                       {"--half", &arguments.half},
+                       {"--overwrite", &arguments.format.mayOverwrite}});
 }
 
 }  // namespace
 
-void addGenerate(CLI::App& app) {
-  CLI::App* command = app.add_subcommand("generate", "Make a signed distance field from a mesh");
-  const auto arguments = std::make_shared<GenerateArguments>();
-  command->add_option("mesh", arguments->mesh, "Mesh to read: OBJ, PLY, STL, OFF, glTF, GLB, 3MF, FBX or DAE")
-      ->type_name("MESH")
-      ->required();
-  addOutputOptions(*command, *arguments);
-  addFrameOptions(*command, arguments->frames);
-  addUnitOptions(*command, arguments->units);
-  addFieldOptions(*command, *arguments);
-  addOption(*command, "--full-inside", arguments->fullInside);
-  addOption(*command, "--allow-empty", arguments->options.allowEmpty);
-  command->footer(kGenerateFooter);
-  command->callback([arguments] { run(*arguments); });
+void addGenerate(Program& program) {
+  Command& command =
+      program.addCommand("generate", "Make a signed distance field from a mesh", kGenerateFooter);
+  auto& arguments = command.runs<GenerateArguments>(run);
+  addOperand(command, "MESH", &arguments.mesh,
+             "Mesh to read: OBJ, PLY, STL, OFF, glTF, GLB, 3MF, FBX or DAE");
+  addOutputOptions(command, arguments);
+  addFrameOptions(command, arguments.frames);
+  addUnitOptions(command, arguments.units);
+  addFieldOptions(command, arguments);
+  addOptions(command,
+             {{"--full-inside", &arguments.fullInside}, {"--allow-empty", &arguments.options.allowEmpty}});
 }
 
 }  // namespace raymap

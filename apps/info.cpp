@@ -11,7 +11,6 @@
 #include "field_info.h"
 #include "field_options.h"
 #include "mesh_units.h"
-#include "options.h"
 #include "report.h"
 #include "terminal.h"
 #include "verdict.h"
@@ -95,7 +94,6 @@ struct InfoArguments {
   std::filesystem::path input, picture;
   bool isJson = false, isFast = false;
   StreamFormat format;
-  bool mayOverwrite = false;
   MeshUnits units;
   MachineOptions machine;
   ViewArguments camera;
@@ -157,7 +155,6 @@ void inspectField(const AnyField& field, const InfoArguments& arguments) {
 void run(InfoArguments& arguments) {
   const std::vector<Output> outputs{{"--picture", arguments.picture, {".png"}}};
   prepareFiles(arguments.format, {{arguments.input, meshAndFieldExtensions()}}, outputs);
-  if (!arguments.mayOverwrite) checkInputs(outputs, {arguments.input});
   setView(arguments.camera, isZUp(arguments.input, arguments.format.input), arguments.view);
   const auto read =
       loadMeshFieldOrBand(arguments.input, arguments.format.input, arguments.format.grid, arguments.units);
@@ -168,24 +165,18 @@ void run(InfoArguments& arguments) {
 
 }  // namespace
 
-void addInfo(CLI::App& app) {
-  CLI::App* command =
-      app.add_subcommand("info", "Report a mesh's size, topology and defects, or a field's grid and range");
-  const auto arguments = std::make_shared<InfoArguments>();
-  command->add_option("input", arguments->input, "Mesh or field to read")
-      ->type_name("MESH|FIELD")
-      ->required();
-  addOption(*command, "--format", arguments->format.given);
-  addOption(*command, "--grid", arguments->format.grid);
-  addJsonOption(*command, arguments->isJson);
-  addOption(*command, "--overwrite", arguments->mayOverwrite);
-  addUnitOptions(*command, arguments->units);
-  addOption(*command, "--fast", arguments->isFast);
-  addOption(*command, "--picture", arguments->picture);
-  addCpuOptions(*command, arguments->machine);
-  addViewOptions(*command, arguments->camera);
-  command->footer(kInfoFooter);
-  command->callback([arguments] { run(*arguments); });
+void addInfo(Program& program) {
+  Command& command = program.addCommand(
+      "info", "Report a mesh's size, topology and defects, or a field's grid and range", kInfoFooter);
+  auto& arguments = command.runs<InfoArguments>(run);
+  addOperand(command, "MESH|FIELD", &arguments.input, "Mesh or field to read");
+  addOptions(command, {{"--format", &arguments.format.given}, {"--grid", &arguments.format.grid}});
+  addJsonOption(command, arguments.isJson);
+  addOptions(command, {{"--overwrite", &arguments.format.mayOverwrite}});
+  addUnitOptions(command, arguments.units);
+  addOptions(command, {{"--fast", &arguments.isFast}, {"--picture", &arguments.picture}});
+  addCpuOptions(command, arguments.machine);
+  addViewOptions(command, arguments.camera);
 }
 
 }  // namespace raymap

@@ -1,16 +1,12 @@
 #include <raymap/error.h>
 #include <raymap/version.h>
 
-#include <algorithm>
-#include <array>
 #include <cstdio>
 #include <exception>
 #include <string>
 #include <system_error>
-#include <vector>
 
 #include "commands.h"
-#include "options.h"
 #include "report.h"
 #include "terminal.h"
 #include "usage.h"
@@ -68,74 +64,39 @@ int failOfMemory() {
                                                  " that it held; allow more, or use a lower resolution");
 }
 
-/// Returns the command that was understood, for example "raymap generate".
-std::string commandName(const CLI::App& app) {
-  std::string name = app.get_name();
-  for (const CLI::App* command : app.get_subcommands()) name += " " + command->get_name();
-  return name;
-}
-
-/// Returns the arguments as CLI11 reads them. Options that every command has may stand before it, and
-/// `help COMMAND` stands for `COMMAND --help`.
-std::vector<std::string> readArguments(int argc, char** argv) {
-  std::vector<std::string> arguments = normalized(std::vector<std::string>(argv + 1, argv + argc));
-  constexpr std::array kAnywhere{"-q", "--quiet", "-v", "--verbose", "--progress"};
-  auto command = arguments.begin();
-  while (command != arguments.end() &&
-         std::ranges::count(kAnywhere, command->substr(0, command->find('='))) > 0)
-    command += *command == "--progress" && command + 1 != arguments.end() ? 2 : 1;
-  std::rotate(arguments.begin(), command, arguments.end());
-  if (!arguments.empty() && CLI::detail::to_lower(arguments.front()) == "help") {
-    arguments.erase(arguments.begin());
-    arguments.emplace_back("--help");
-  }
-  return arguments;
+/// Adds the options for the text that a command prints, which every command has.
+void addTextOptions(Command& command) {
+  const auto set = [](TextLevel level) { return [=](const std::string&) { setTextLevel(level); }; };
+  addOptions(command, {{"--verbose", set(TextLevel::Verbose)},
+                       {"--quiet", set(TextLevel::Quiet)},
+                       {"--progress", setProgressStyle}});
 }
 
 int run(int argc, char** argv) {
-  CLI::App app("Turns any triangle mesh, however broken, into a signed distance field.", "raymap");
-  app.set_version_flag("-V,--version", std::string("raymap ") + version().text, "Print the version");
-  app.set_help_flag("-h,--help", "Print this help");
-  app.footer(kMainFooter);
-  app.require_subcommand(1);
-  app.ignore_case();
-  app.formatter(std::make_shared<HelpFormatter>());
-  app.get_formatter()->label("SUBCOMMAND", "COMMAND");
-  addGenerate(app);
-  addInfo(app);
-  addCheck(app);
-  addQuery(app);
-  addSample(app);
-  addMesh(app);
-  addRender(app);
-  addView(app);
-  addRepair(app);
-  addSimplify(app);
-  addCompare(app);
-  addConvert(app);
-  addExample(app);
-  addDevices(app);
-  addCompletion(app);
-  addManual(app);
-  for (CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; })) {
-    command->group("Commands");
-    addTextOptions(*command);
-  }
-  const std::vector<std::string> arguments = readArguments(argc, argv);
-  try {
-    app.parse(std::vector<std::string>(arguments.rbegin(), arguments.rend()));  // CLI11 wants the last first.
+  Program program;
+  program.description = "Turns any triangle mesh, however broken, into a signed distance field.";
+  program.footer = kMainFooter;
+  for (AddCommand* add :
+       {addGenerate, addInfo, addCheck, addQuery, addSample, addMesh, addRender, addView, addRepair,
+        addSimplify, addCompare, addConvert, addExample, addDevices, addCompletion, addManual})
+    add(program);
+  for (Command& command : program.commands) addTextOptions(command);
+  const Parsed parsed = parse(program, {argv + 1, argv + argc});
+  if (parsed.isVersion || (parsed.isHelp && parsed.mistake.empty())) {
+    std::printf("%s", parsed.isVersion ? (std::string("raymap ") + version().text + "\n").c_str()
+                      : parsed.command ? helpOf(*parsed.command).c_str()
+                                       : helpOf(program).c_str());
     finishText();
     return 0;
-  } catch (const CLI::ParseError& error) {
-    if (error.get_exit_code() == 0) {  // --help, --version
-      app.exit(error);
-      finishText();
-      return 0;
-    }
-    if (dynamic_cast<const CLI::RuntimeError*>(&error) != nullptr) return error.get_exit_code();
-    return fail(exitCodeOf(ErrorCode::Usage),
-                describeUsageError(app, error, arguments) + "; see " + commandName(app) + " --help");
   }
+  if (const std::string mistake = describeMistake(program, parsed); !mistake.empty())
+    return fail(
+        exitCodeOf(ErrorCode::Usage),
+        mistake + "; see raymap " + (parsed.command == nullptr ? "" : parsed.command->name + " ") + "--help");
+  if (parsed.command->prepare) parsed.command->prepare();
+  parsed.command->run();
+  finishText();
+  return 0;
 }
 
 }  // namespace
@@ -147,6 +108,8 @@ int main(int argc, char** argv) {
   catchSignals();
   try {
     return run(argc, argv);
+  } catch (const ExitCode& exit) {
+    return exit.code;
   } catch (const Error& error) {
     endIfReaderEnded(error);
     const bool isStopped = error.code() == ErrorCode::Cancelled && caughtSignal() != 0;

@@ -10,7 +10,6 @@
 #include "field_options.h"
 #include "mesh_output.h"
 #include "mesh_units.h"
-#include "options.h"
 #include "report.h"
 #include "terminal.h"
 #include "warnings.h"
@@ -32,11 +31,10 @@ constexpr double kSimplifyTolerance = 0.1;  ///< In samples; that of `repair`, t
 struct MeshArguments : FieldArguments {
   StreamFormat format;
   std::filesystem::path input, mesh, stats;
-  bool mayOverwrite = false;
   IsosurfaceOptions surface;
   std::optional<double> tolerance;
   size_t triangles = 0;
-  const CLI::Option* closeHoles = nullptr;  ///< The option: yes unless it is given, where there is a sign.
+  const Command* command = nullptr;
 };
 
 /// Makes the surface, and drops triangles within the tolerance.
@@ -65,14 +63,13 @@ Json describe(const MeshArguments& arguments, const Grid& grid, const Simplified
 }
 
 void run(MeshArguments& arguments) {
-  if (arguments.closeHoles->count() == 0)
+  if (!arguments.command->isGiven("--close-holes"))
     arguments.options.closeHoles = arguments.sign != "none" && arguments.options.thickness == 0.0;
   finishFieldArguments(arguments);
   checkSimplification(arguments.tolerance, arguments.triangles);
   const std::vector<Output> outputs{{"--output", arguments.mesh, writableMeshExtensions()},
                                     {"--stats", arguments.stats, {".json"}}};
   prepareFiles(arguments.format, {{arguments.input, meshAndFieldExtensions()}}, outputs);
-  if (!arguments.mayOverwrite) checkInputs(outputs, {arguments.input});
   const std::filesystem::path output = named(arguments.mesh, arguments.format.output);
   checkMeshUnits(arguments.units, output);
   const auto field =
@@ -98,26 +95,22 @@ void run(MeshArguments& arguments) {
 
 }  // namespace
 
-void addMesh(CLI::App& app) {
-  CLI::App* command =
-      app.add_subcommand("mesh", "Make a closed mesh from a field, or from a mesh through its field");
-  const auto arguments = std::make_shared<MeshArguments>();
-  command->add_option("input", arguments->input, "Field or mesh to read")
-      ->type_name("FIELD|MESH")
-      ->required();
-  addOutput(*command, arguments->mesh, "Mesh to write", writableMeshExtensions())->required();
-  addOption(*command, "--format", arguments->format.given);
-  addOption(*command, "--grid", arguments->format.grid);
-  addOption(*command, "--overwrite", arguments->mayOverwrite);
-  addFigureOptions(*command, arguments->stats);
-  addMeshOutputOptions(*command, arguments->units);
-  addOption(*command, "--iso", arguments->surface.iso);
-  addOption(*command, "--tolerance", arguments->tolerance);
-  addOption(*command, "--triangles", arguments->triangles);
-  addFieldOptions(*command, *arguments);
-  arguments->closeHoles = command->get_option("--close-holes");
-  command->footer(kMeshFooter);
-  command->callback([arguments] { run(*arguments); });
+void addMesh(Program& program) {
+  Command& command = program.addCommand(
+      "mesh", "Make a closed mesh from a field, or from a mesh through its field", kMeshFooter);
+  auto& arguments = command.runs<MeshArguments>(run);
+  arguments.command = &command;
+  addOperand(command, "FIELD|MESH", &arguments.input, "Field or mesh to read");
+  addOutput(command, arguments.mesh, "Mesh to write", writableMeshExtensions()).isRequired = true;
+  addOptions(command, {{"--format", &arguments.format.given},
+                       {"--grid", &arguments.format.grid},
+                       {"--overwrite", &arguments.format.mayOverwrite}});
+  addFigureOptions(command, arguments.stats);
+  addMeshOutputOptions(command, arguments.units);
+  addOptions(command, {{"--iso", &arguments.surface.iso},
+                       {"--tolerance", &arguments.tolerance},
+                       {"--triangles", &arguments.triangles}});
+  addFieldOptions(command, arguments);
 }
 
 }  // namespace raymap

@@ -11,6 +11,7 @@
 #include "mesh_units.h"
 #include "repair_report.h"
 #include "terminal.h"
+#include "text.h"
 #include "warnings.h"
 
 namespace raymap {
@@ -60,7 +61,7 @@ std::string formatsThatHold(const StoredMesh& mesh, const Diagnostics& exact, si
       fit.push_back(extension);
   };
   for (const std::string& extension : writableMeshExtensions()) add(extension);
-  return alternatives(fit);
+  return joined(fit, ", ", " or ");
 }
 
 [[noreturn]] void fail(const StoredMesh& mesh, const Diagnostics& exact, size_t crossing,

@@ -7,10 +7,11 @@
 #include <cfloat>
 #include <cmath>
 #include <cstdio>
+#include <sstream>
 #include <utility>
 
 #include "checks.h"
-#include "options.h"
+#include "parser.h"
 #include "terminal.h"
 
 namespace raymap {
@@ -132,9 +133,10 @@ void scale(AnyMesh& mesh, double factor, const MeshUnits& units) {
   const glm::dvec3 origin = mesh.origin * factor;
   const bool isFinite = after < FLT_MAX && std::isfinite(origin.x + origin.y + origin.z);
   if (!isFinite || (before > 0.0 && after < FLT_MIN))
-    throw Error(ErrorCode::Usage, "--scale " + CLI::detail::to_string(units.scale) +
-                                      ": the mesh becomes too " + (isFinite ? "small" : "large") +
-                                      " for single precision");
+    throw Error(ErrorCode::Usage,
+                (std::ostringstream() << "--scale " << units.scale << ": the mesh becomes too "
+                                      << (isFinite ? "small" : "large") << " for single precision")
+                    .str());
   changeVertices(mesh, [&](const glm::dvec3& vertex) { return vertex * factor; });
   mesh.origin = origin;
 }
@@ -147,19 +149,18 @@ std::vector<std::string> unitNames() {
   return all;
 }
 
-void addUnitOptions(CLI::App& command, MeshUnits& units) {
-  CLI::Option* unit = addOption(command, "--unit", units.unit);
-  addOption(command, "--from", units.from);
-  addOption(command, "--to", units.to)->excludes(unit);
-  addOption(command, "--scale", units.scale);
-  addOption(command, "--rotate", units.rotate);
-  addOption(command, "--translate", units.translate);
+void addUnitOptions(Command& command, MeshUnits& units) {
+  addOptions(command, {{"--unit", &units.unit},
+                       {"--from", &units.from},
+                       {"--to", &units.to},
+                       {"--scale", &units.scale},
+                       {"--rotate", &units.rotate},
+                       {"--translate", &units.translate}});
 }
 
-void addMeshOutputOptions(CLI::App& command, MeshUnits& units) {
+void addMeshOutputOptions(Command& command, MeshUnits& units) {
   addUnitOptions(command, units);
-  addOption(command, "--up", units.up);
-  addOption(command, "--recenter", units.recenter);
+  addOptions(command, {{"--up", &units.up}, {"--recenter", &units.recenter}});
 }
 
 void checkMeshUnits(const MeshUnits& units, const std::filesystem::path& result) {

@@ -3,13 +3,12 @@
 #include <raymap/field.h>
 #include <raymap/io.h>
 
-#include <CLI/CLI.hpp>
 #include <filesystem>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "options.h"
+#include "parser.h"
 
 namespace raymap {
 
@@ -26,21 +25,20 @@ struct MeshUnits {
 };
 
 /// Adds `--from`, `--to`, `--unit`, `--scale`, `--rotate` and `--translate`.
-void addUnitOptions(CLI::App& command, MeshUnits& units);
+void addUnitOptions(Command& command, MeshUnits& units);
 
 /// Adds those, `--up` and `--recenter` to a command that writes a mesh.
-void addMeshOutputOptions(CLI::App& command, MeshUnits& units);
+void addMeshOutputOptions(Command& command, MeshUnits& units);
 
 /// Adds the options of a command that makes a mesh of a mesh: both files, their formats, figures and units.
 template <class Arguments>
-void addMeshFileOptions(CLI::App& command, Arguments& arguments) {
-  command.add_option("mesh", arguments.mesh, "Mesh to read: OBJ, PLY, STL, OFF, glTF, GLB, 3MF, FBX or DAE")
-      ->type_name("MESH")
-      ->required();
-  addOutput(command, arguments.result, "Mesh to write", writableMeshExtensions())->required();
-  addOption(command, "--format", arguments.format.given);
+void addMeshFileOptions(Command& command, Arguments& arguments) {
+  addOperand(command, "MESH", &arguments.mesh,
+             "Mesh to read: OBJ, PLY, STL, OFF, glTF, GLB, 3MF, FBX or DAE");
+  addOutput(command, arguments.result, "Mesh to write", writableMeshExtensions()).isRequired = true;
+  addOptions(command, {{"--format", &arguments.format.given}});
   addFigureOptions(command, arguments.stats);
-  addOption(command, "--overwrite", arguments.mayOverwrite);
+  addOptions(command, {{"--overwrite", &arguments.format.mayOverwrite}});
   addMeshOutputOptions(command, arguments.units);
 }
 

@@ -1,20 +1,16 @@
 #include "options.h"
 
-#include <raymap/error.h>
 #include <raymap/names.h>
 #include <raymap/render.h>
 
 #include <algorithm>
 #include <array>
-#include <cctype>
-#include <optional>
-#include <stdexcept>
 #include <utility>
 
-#include "checks.h"
 #include "mesh_units.h"
 #include "query_arrays.h"
 #include "terminal.h"
+#include "text.h"
 
 namespace raymap {
 
@@ -282,111 +278,7 @@ bool hasSpelling(std::string_view list, std::string_view spelling) {
   return false;
 }
 
-/// Returns the check of one value.
-std::optional<CLI::Validator> checkOf(const OptionRow& row) {
-  if (row.choices != nullptr) return oneOf(row.choices());
-  switch (row.takes) {
-    case Bytes:
-      return sizeInBytes();
-    case Count:
-      return wholeNumberFrom(0);
-    case Natural:
-    case Pair:
-    case Triple:
-      return wholeNumberFrom(1);
-    case Whole:
-      return wholeNumber();
-    case FromZero:
-      return numberFrom(0);
-    case AboveZero:
-      return numberFrom(0, true);
-    case Number:
-    case Vector:
-    case Direction:
-    case Takes::Plane:
-    case Takes::Corners:
-    case List:
-      return anyNumber();
-    default:
-      return std::nullopt;
-  }
-}
-
-/// Returns the direction of an axis such as "z" or "-X".
-std::optional<std::array<const char*, 3>> directionOf(std::string_view text) {
-  const bool isSigned = text.size() == 2 && (text[0] == '-' || text[0] == '+');
-  if (isSigned) text.remove_prefix(1);
-  const char axis = text.size() == 1 ? char(std::tolower(static_cast<unsigned char>(text[0]))) : ' ';
-  if (axis < 'x' || axis > 'z') return std::nullopt;
-  std::array<const char*, 3> direction{"0", "0", "0"};
-  direction[size_t(axis - 'x')] = isSigned && text.data()[-1] == '-' ? "-1" : "1";
-  return direction;
-}
-
-bool isNumber(const std::string& text) {
-  double value = 0.0;
-  return CLI::detail::lexical_cast(text, value);
-}
-
-/// Moves the numbers that follow an option from `rest` to `result`.
-void takeNumbers(const OptionRow& row, std::span<const std::string>& rest, std::vector<std::string>& result) {
-  const int wanted = valueCount(row.takes);
-  int taken = 0;
-  while (taken < wanted && !rest.empty()) {
-    std::string text = rest.front();
-    std::ranges::replace(text, ',', ' ');
-    std::vector<std::string> parts = CLI::detail::split_up(text);
-    if (row.takes == Direction && taken == 0 && parts.size() == 1)
-      if (const auto direction = directionOf(parts[0])) parts.assign(direction->begin(), direction->end());
-    if (!std::ranges::all_of(parts, isNumber)) break;
-    for (const std::string& part : parts)
-      result.push_back(part.starts_with("-.") ? "-0" + part.substr(1) : part);
-    taken += int(parts.size());
-    rest = rest.subspan(1);
-  }
-  if (taken == wanted) return;
-  const std::string next = taken < wanted && !rest.empty() ? " before " + rest.front() : "";
-  throw Error(ErrorCode::Usage, shownNames(row) + " takes " + std::to_string(wanted) + " numbers" +
-                                    (row.takes == Direction ? ", or an axis such as z or -y" : "") +
-                                    ", and here are " + std::to_string(taken) + next);
-}
-
 }  // namespace
-
-namespace detail {
-
-std::string allNames(const OptionRow& row) {
-  return std::string(row.name) + (row.others[0] == '\0' ? "" : ",") + row.others;
-}
-
-const OptionRow& rowNamed(const char* name) {
-  const OptionRow* row = findRow(name);
-  if (row == nullptr) throw std::logic_error(std::string(name) + ": options.cpp has no such row");
-  return *row;
-}
-
-void checkDefault(const OptionRow& row, double value) {
-  double told = 0.0;
-  if (CLI::detail::lexical_cast(row.fallback, told) && told != value)
-    throw std::logic_error(std::string(row.name) + ": the default is not " + row.fallback);
-}
-
-void checkDefault(const OptionRow& row, const std::string& value) {
-  if (!value.empty() && value != row.fallback)
-    throw std::logic_error(std::string(row.name) + ": the default is not " + row.fallback);
-}
-
-CLI::Option* describe(CLI::Option* option, const OptionRow& row) {
-  option->description(helpOf(row))->group(row.group);
-  if (row.takes == Nothing) return option->disable_flag_override();
-  option->option_text(row.value);
-  if (valueCount(row.takes) > 1) option->expected(valueCount(row.takes));
-  if (row.takes == List) option->delimiter(',');
-  if (const std::optional<CLI::Validator> check = checkOf(row)) option->transform(*check);
-  return option;
-}
-
-}  // namespace detail
 
 std::span<const OptionRow> optionRows() {
   return kRows;
@@ -418,20 +310,24 @@ int valueCount(Takes takes) {
   }
 }
 
+std::string longName(const OptionRow& row) {
+  return split(row.name, ',').back();
+}
+
 std::string shownNames(const OptionRow& row) {
   std::string shown = row.name;
-  for (const std::string& other : CLI::detail::split(row.others, ','))
+  for (const std::string& other : split(row.others, ','))
     if (other.starts_with('!') && shown.find("--no-") == std::string::npos) shown += "," + other.substr(1);
-  return CLI::detail::find_and_replace(shown, ",", ", ");
+  return replaced(shown, ",", ", ");
 }
 
 std::string allSpellings(const OptionRow& row) {
-  std::vector<std::string> spellings = CLI::detail::split(detail::allNames(row), ',');
-  for (std::string& each : spellings)
-    if (each.starts_with('!')) each.erase(0, 1);
+  std::vector<std::string> spellings =
+      split(replaced(std::string(row.name) + "," + row.others, "!", ""), ',');
+  std::erase(spellings, "");
   std::stable_partition(spellings.begin(), spellings.end(),
                         [](const std::string& each) { return !each.starts_with("--"); });
-  return CLI::detail::join(spellings, ", ");
+  return joined(spellings, ", ");
 }
 
 std::string helpOf(const OptionRow& row) {
@@ -440,81 +336,10 @@ std::string helpOf(const OptionRow& row) {
 }
 
 std::string canonical(std::string_view choice) {
-  std::string name = CLI::detail::to_lower(std::string(choice));
+  std::string name = lower(choice);
   for (const auto& [other, known] : kSpellings)
     if (name == other) return std::string(known);
   return name;
-}
-
-CLI::Validator oneOf(std::vector<std::string> choices) {
-  return {[choices = std::move(choices)](std::string& text) -> std::string {
-            const std::string known = canonical(text);
-            if (std::ranges::count(choices, known) == 0)
-              return "must be one of " + CLI::detail::join(choices, ", ") + ", not " + text;
-            text = known;
-            return {};
-          },
-          ""};
-}
-
-CLI::Option* addOutput(CLI::App& command, std::filesystem::path& path, const std::string& what,
-                       const std::vector<std::string>& extensions) {
-  return addOption(command, "--output", path)
-      ->description(what + (extensions.empty() ? "" : ": " + alternatives(extensions)));
-}
-
-void addTextOptions(CLI::App& command) {
-  const auto add = [&](const char* name, TextLevel level) {
-    const OptionRow& row = detail::rowNamed(name);
-    return detail::describe(command.add_flag_callback(row.name, [level] { setTextLevel(level); }), row);
-  };
-  add("--verbose", TextLevel::Verbose)->excludes(add("--quiet", TextLevel::Quiet));
-  const OptionRow& row = detail::rowNamed("--progress");
-  detail::describe(command.add_option_function<std::string>(row.name, setProgressStyle), row);
-}
-
-void addFigureOptions(CLI::App& command, std::filesystem::path& stats) {
-  const OptionRow& row = detail::rowNamed("--json");
-  CLI::Option* json = detail::describe(command.add_flag_callback(row.name, [&stats] { stats = "-"; }), row);
-  addOption(command, "--stats", stats)->excludes(json);
-}
-
-void addJsonOption(CLI::App& command, bool& isJson) {
-  addOption(command, "--json", isJson)->each([](const std::string&) { keepText(); });
-}
-
-std::vector<std::string> normalized(std::span<const std::string> arguments) {
-  std::vector<std::string> result;
-  while (!arguments.empty()) {
-    std::string argument = arguments.front();
-    arguments = arguments.subspan(1);
-    if (argument == "--") {
-      result.push_back(argument);
-      result.insert(result.end(), arguments.begin(), arguments.end());
-      break;
-    }
-    const size_t equals = argument.starts_with("--") ? argument.find('=') : std::string::npos;
-    std::string name = argument.substr(0, equals);
-    if (name.starts_with("--")) name = CLI::detail::to_lower(name);
-    const OptionRow* row = name.starts_with('-') ? findRow(name) : nullptr;
-    const bool hasNumbers = row != nullptr && row->takes != Pair && valueCount(row->takes) > 1;
-    // CLI11 would take -.5 for an option.
-    if (argument.size() > 2 && argument.starts_with("-.") &&
-        std::isdigit(static_cast<unsigned char>(argument[2])))
-      argument.insert(1, "0");
-    if (!hasNumbers) {
-      result.push_back(name.starts_with("--") ? name + argument.substr(name.size()) : argument);
-      continue;
-    }
-    result.push_back(name);
-    std::vector<std::string> rest;
-    if (equals != std::string::npos) rest.push_back(argument.substr(equals + 1));
-    rest.insert(rest.end(), arguments.begin(), arguments.end());
-    std::span<const std::string> left = rest;
-    takeNumbers(*row, left, result);
-    arguments = arguments.last(left.size());
-  }
-  return result;
 }
 
 }  // namespace raymap

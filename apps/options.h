@@ -1,22 +1,23 @@
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <cstdint>
-#include <filesystem>
 #include <span>
 #include <string>
 #include <string_view>
-#include <type_traits>
+#include <utility>
 #include <vector>
 
 namespace raymap {
 
 /// Kinds of values of an option.
 enum class Takes : uint8_t {
+  // Any text:
   Nothing,
   File,
+  Files,  ///< Any number of files, which have no option.
   Text,
   Choice,
+  // Numbers:
   Bytes,
   Count,      ///< A whole number from 0 on.
   Natural,    ///< A whole number from 1 on.
@@ -45,15 +46,30 @@ struct OptionRow {
   std::vector<std::string> (*choices)() = nullptr;
 };
 
-/// Returns the one description of all options. CLI11's options, the help, docs/cli.md, the completion and the
-/// man pages are made of it.
+/// Returns the one description of all options. The parser, the help, docs/cli.md, the completion and the man
+/// pages use it.
 std::span<const OptionRow> optionRows();
 
 /// Returns the row with this spelling, for example "--color" or "-o"; null if there is none.
 const OptionRow* findRow(std::string_view spelling);
 
+/// Options that mean nothing without the second one, in a command that has both.
+constexpr std::pair<const char*, const char*> kNeeded[] = {
+    {"--fps", "--frames"},       {"--start-frame", "--frames"},     {"--clip", "--frames"},
+    {"--drain-hole", "--shell"}, {"--drain-holes", "--drain-hole"}, {"--down", "--drain-hole"},
+    {"--index", "--slice"}};
+
+/// Options that contradict each other.
+constexpr std::pair<const char*, const char*> kExclusive[] = {
+    {"--voxel-size", "--resolution"}, {"--shape", "--resolution"}, {"--shape", "--align"},
+    {"--padding", "--bounds"},        {"--to", "--unit"},          {"--stats", "--json"},
+    {"--verbose", "--quiet"}};
+
 /// Returns the number of values that an option takes.
 int valueCount(Takes takes);
+
+/// Returns the name that messages use: "--output".
+std::string longName(const OptionRow& row);
 
 /// Returns "--close-holes, --no-close-holes" or "-o, --output".
 std::string shownNames(const OptionRow& row);
@@ -67,47 +83,5 @@ std::string helpOf(const OptionRow& row);
 /// Returns the spelling of a choice that the program uses: without capitals, in British spelling, and with
 /// short names of units.
 std::string canonical(std::string_view choice);
-
-namespace detail {
-std::string allNames(const OptionRow& row);
-const OptionRow& rowNamed(const char* name);
-CLI::Option* describe(CLI::Option* option, const OptionRow& row);
-void checkDefault(const OptionRow& row, double value);
-void checkDefault(const OptionRow& row, const std::string& value);
-}  // namespace detail
-
-/// Accepts one of these choices, in any spelling that `canonical` knows.
-CLI::Validator oneOf(std::vector<std::string> choices);
-
-/// Adds the option with this name. A flag for a bool, else an option with a value. Throws `std::logic_error`
-/// if there is no such row, or if the value differs from the row's default.
-template <class Value>
-CLI::Option* addOption(CLI::App& command, const char* name, Value& value) {
-  const OptionRow& row = detail::rowNamed(name);
-  if constexpr (std::is_same_v<Value, bool>)
-    return detail::describe(command.add_flag(detail::allNames(row), value), row);
-  else {
-    if constexpr (std::is_arithmetic_v<Value>) detail::checkDefault(row, double(value));
-    if constexpr (std::is_same_v<Value, std::string>) detail::checkDefault(row, value);
-    return detail::describe(command.add_option(detail::allNames(row), value), row);
-  }
-}
-
-/// Adds `--output`, with what this command writes there: "Mesh to write: .ply, .obj or .stl".
-CLI::Option* addOutput(CLI::App& command, std::filesystem::path& path, const std::string& what,
-                       const std::vector<std::string>& extensions = {});
-
-/// Adds the options for the text that a command prints, which every command has.
-void addTextOptions(CLI::App& command);
-
-/// Adds `--stats` and `--json`, which writes the same to stdout.
-void addFigureOptions(CLI::App& command, std::filesystem::path& stats);
-
-/// Adds `--json` of a command whose text is its result.
-void addJsonOption(CLI::App& command, bool& isJson);
-
-/// Returns the arguments as CLI11 reads them. Splits the numbers of an option that takes several, and
-/// replaces an axis by its direction. Throws `Error(Usage)` if such an option has too few.
-std::vector<std::string> normalized(std::span<const std::string> arguments);
 
 }  // namespace raymap

@@ -12,7 +12,6 @@
 #include "commands.h"
 #include "field_array.h"
 #include "field_options.h"
-#include "options.h"
 #include "query_arrays.h"
 #include "report.h"
 #include "terminal.h"
@@ -43,8 +42,8 @@ struct QueryArguments : FieldArguments {
   fs::path input, points, results, stats;
   std::vector<std::string> arrays{"distance"};
   double maxDistance = std::numeric_limits<double>::infinity();
-  bool isUnsigned = false, colour = false, mayOverwrite = false;
-  std::vector<const CLI::Option*> ofMeshes;  ///< Options that mean nothing for a field.
+  bool isUnsigned = false, colour = false;
+  const Command* command = nullptr;
 };
 
 /// Results of one run, for the summary and the statistics.
@@ -89,7 +88,6 @@ void check(QueryArguments& arguments, const QueryOptions& asked) {
                                     {"--stats", arguments.stats, {".json"}}};
   prepareFiles(arguments.format,
                {{arguments.input, meshAndFieldExtensions()}, {arguments.points, pointExtensions()}}, outputs);
-  if (!arguments.mayOverwrite) checkInputs(outputs, {arguments.input, arguments.points});
   const auto require = [](bool holds, const char* what) {
     if (!holds) throw Error(ErrorCode::Usage, what);
   };
@@ -250,9 +248,9 @@ void queryMesh(const Mesh& mesh, const QueryArguments& arguments, const QueryOpt
 /// Throws `Error(Usage)` if an option or array is one of meshes.
 void checkOfField(const QueryArguments& arguments) {
   const std::string isField = ", and " + arguments.input.string() + " is a field";
-  for (const CLI::Option* option : arguments.ofMeshes)
-    if (option->count() > 0)
-      throw Error(ErrorCode::Usage, option->get_name() + " is for meshes" + isField + "; leave it out");
+  for (const char* option : {"--max-distance", "--unsigned", "--orientation", "--threshold"})
+    if (arguments.command->isGiven(option))
+      throw Error(ErrorCode::Usage, std::string(option) + " is for meshes" + isField + "; leave it out");
   for (const std::string& array : arguments.arrays)
     if (array != "distance" && array != kGradient)
       throw Error(ErrorCode::Usage, std::string("the array ")
@@ -361,40 +359,32 @@ void run(QueryArguments& arguments) {
   print(arguments, report, millisecondsSince(start));
 }
 
-void addResultOptions(CLI::App& command, QueryArguments& arguments) {
-  addOutput(command, arguments.results, "Results to write", queryExtensions())->required();
-  addOption(command, "--format", arguments.format.given);
-  addOption(command, "--grid", arguments.format.grid);
+void addResultOptions(Command& command, QueryArguments& arguments) {
+  addOutput(command, arguments.results, "Results to write", queryExtensions()).isRequired = true;
+  addOptions(command, {{"--format", &arguments.format.given}, {"--grid", &arguments.format.grid}});
   addFigureOptions(command, arguments.stats);
-  addOption(command, "--overwrite", arguments.mayOverwrite);
-  addOption(command, "--arrays", arguments.arrays);
-  arguments.ofMeshes.push_back(addOption(command, "--max-distance", arguments.maxDistance));
-  addOption(command, "--colour", arguments.colour);
+  addOptions(command, {{"--overwrite", &arguments.format.mayOverwrite},
+                       {"--arrays", &arguments.arrays},
+                       {"--max-distance", &arguments.maxDistance},
+                       {"--colour", &arguments.colour}});
 }
 
 }  // namespace
 
-void addQuery(CLI::App& app) {
-  CLI::App* command =
-      app.add_subcommand("query", "Measure signed distances of a mesh or a field at given points");
-  const auto arguments = std::make_shared<QueryArguments>();
-  command->add_option("input", arguments->input, "Mesh or field to measure from")
-      ->type_name("MESH|FIELD")
-      ->required();
-  command
-      ->add_option("points", arguments->points,
-                   "Points: .csv with columns x, y, z; .npy of shape N x 3; .ply; .xyz or .txt")
-      ->type_name("POINTS")
-      ->required();
-  addResultOptions(*command, *arguments);
-  addUnitOptions(*command, arguments->units);
-  for (const CLI::Option* option : {addOption(*command, "--unsigned", arguments->isUnsigned),
-                                    addOption(*command, "--orientation", arguments->orientation),
-                                    addOption(*command, "--threshold", arguments->options.threshold)})
-    arguments->ofMeshes.push_back(option);
-  addCpuOptions(*command, arguments->machine);
-  command->footer(kQueryFooter);
-  command->callback([arguments] { run(*arguments); });
+void addQuery(Program& program) {
+  Command& command = program.addCommand(
+      "query", "Measure signed distances of a mesh or a field at given points", kQueryFooter);
+  auto& arguments = command.runs<QueryArguments>(run);
+  addOperand(command, "MESH|FIELD", &arguments.input, "Mesh or field to measure from");
+  addOperand(command, "POINTS", &arguments.points,
+             "Points: .csv with columns x, y, z; .npy of shape N x 3; .ply; .xyz or .txt");
+  arguments.command = &command;
+  addResultOptions(command, arguments);
+  addUnitOptions(command, arguments.units);
+  addOptions(command, {{"--unsigned", &arguments.isUnsigned},
+                       {"--orientation", &arguments.orientation},
+                       {"--threshold", &arguments.options.threshold}});
+  addCpuOptions(command, arguments.machine);
 }
 
 }  // namespace raymap

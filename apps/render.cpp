@@ -10,7 +10,6 @@
 #include "field_options.h"
 #include "first_use.h"
 #include "movie.h"
-#include "options.h"
 #include "report.h"
 #include "sequence.h"
 #include "terminal.h"
@@ -45,7 +44,6 @@ struct RenderArguments : FieldArguments {
   ViewArguments camera;
   RenderOptions view;
   PageOptions page;
-  bool mayOverwrite = false;
 };
 
 bool isPage(const RenderArguments& arguments) {
@@ -128,7 +126,7 @@ void checkFrames(const RenderArguments& arguments, const Sequence& sequence) {
   for (size_t i = 0; i < sequence.size(); ++i) inputs.push_back(sequence.input(i));
   for (size_t i = 0; i < sequence.size(); ++i) {
     fs::path picture = isMovie ? arguments.picture : framePath(arguments.picture, sequence.frame(i));
-    if (!arguments.mayOverwrite) checkInputs({{"--output", picture, {}}}, inputs);
+    if (!arguments.format.mayOverwrite) checkInputs({{"--output", picture, {}}}, inputs);
   }
 }
 
@@ -320,7 +318,6 @@ void run(RenderArguments& arguments) {
   std::vector<Input> inputs{{arguments.input, meshAndFieldExtensions()}};
   if (isTwo) inputs.push_back({arguments.other, meshAndFieldExtensions()});
   prepareFiles(arguments.format, inputs, outputs);
-  if (!arguments.mayOverwrite) checkInputs(outputs, {arguments.input, arguments.other});
   setView(arguments.camera, isZUp(arguments.input, arguments.format.input), arguments.view);
   if (isSequence)
     renderFrames(arguments);
@@ -330,33 +327,30 @@ void run(RenderArguments& arguments) {
 
 }  // namespace
 
-void addRender(CLI::App& app) {
-  CLI::App* command = app.add_subcommand("render", "Draw a field, or a mesh through its field");
-  const auto arguments = std::make_shared<RenderArguments>();
-  command->add_option("input", arguments->input, "Mesh or field to read")
-      ->type_name("MESH|FIELD")
-      ->required();
-  command->add_option("other", arguments->other, "Another one to compare with")->type_name("MESH|FIELD");
-  addOutput(*command, arguments->picture,
+void addRender(Program& program) {
+  Command& command = program.addCommand("render", "Draw a field, or a mesh through its field", kRenderFooter);
+  auto& arguments = command.runs<RenderArguments>(run);
+  addOperand(command, "MESH|FIELD", &arguments.input, "Mesh or field to read");
+  addOperand(command, "MESH|FIELD", &arguments.other, "Another one to compare with").isRequired = false;
+  addOutput(command, arguments.picture,
             "Picture to write: .png; or a page: .html; of --frames, also a movie: .mp4")
-      ->required();
-  addOption(*command, "--format", arguments->format.given);
-  addOption(*command, "--grid", arguments->format.grid);
-  addOption(*command, "--overwrite", arguments->mayOverwrite);
-  addFrameOptions(*command, arguments->frames);
-  addUnitOptions(*command, arguments->units);
-  addGridOptions(*command, *arguments);
-  addOption(*command, "--thickness", arguments->options.thickness);
-  addViewOptions(*command, arguments->camera);
-  addSceneOptions(*command, arguments->camera, arguments->view);
-  addOption(*command, "--frame", arguments->camera.frame);
-  addOption(*command, "--cut", arguments->view.cut);
-  addOption(*command, "--index", arguments->index)->needs(addOption(*command, "--slice", arguments->slice));
-  addOption(*command, "--as", arguments->as);
-  addOption(*command, "--max-size", arguments->page.maxSize);
-  addMachineOptions(*command, arguments->machine);
-  command->footer(kRenderFooter);
-  command->callback([arguments] { run(*arguments); });
+      .isRequired = true;
+  addOptions(command, {{"--format", &arguments.format.given},
+                       {"--grid", &arguments.format.grid},
+                       {"--overwrite", &arguments.format.mayOverwrite}});
+  addFrameOptions(command, arguments.frames);
+  addUnitOptions(command, arguments.units);
+  addGridOptions(command, arguments);
+  addOptions(command, {{"--thickness", &arguments.options.thickness}});
+  addViewOptions(command, arguments.camera);
+  addSceneOptions(command, arguments.camera, arguments.view);
+  addOptions(command, {{"--frame", &arguments.camera.frame},
+                       {"--cut", &arguments.view.cut},
+                       {"--index", &arguments.index},
+                       {"--slice", &arguments.slice},
+                       {"--as", &arguments.as},
+                       {"--max-size", &arguments.page.maxSize}});
+  addMachineOptions(command, arguments.machine);
 }
 
 }  // namespace raymap

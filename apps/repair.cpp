@@ -11,7 +11,6 @@
 #include "first_use.h"
 #include "mesh_output.h"
 #include "mesh_units.h"
-#include "options.h"
 #include "repair_report.h"
 #include "terminal.h"
 #include "verdict.h"
@@ -88,7 +87,6 @@ void run(RepairArguments& arguments) {
   const std::vector<Output> outputs{{"--output", arguments.result, writableMeshExtensions()},
                                     {"--stats", arguments.stats, {".json"}}};
   prepareFiles(arguments.format, {{arguments.mesh, meshExtensions()}}, outputs);
-  if (!arguments.mayOverwrite) checkInputs(outputs, {arguments.mesh});
   const std::filesystem::path input = named(arguments.mesh, arguments.format.input),
                               output = named(arguments.result, arguments.format.output);
   checkMeshUnits(arguments.units, output);
@@ -125,36 +123,34 @@ void run(RepairArguments& arguments) {
   if (!arguments.stats.empty()) printWritten(arguments.stats);
 }
 
-void addShapeOptions(CLI::App& command, RepairArguments& arguments) {
+void addShapeOptions(Command& command, RepairArguments& arguments) {
   RepairOptions& repair = arguments.repair;
-  addOption(command, "--tolerance", repair.tolerance);
-  addOption(command, "--triangles", repair.triangles);
-  addOption(command, "--offset", repair.offset);
-  CLI::Option* shell = addOption(command, "--shell", repair.shell);
-  addOption(command, "--min-thickness", repair.minThickness);
-  addOption(command, "--base", repair.base);
-  CLI::Option* hole = addOption(command, "--drain-hole", repair.drainHole)->needs(shell);
-  addOption(command, "--drain-holes", repair.drainHoles)->needs(hole);
-  addOption(command, "--down", arguments.down)->needs(hole);
-  addOption(command, "--drop-smaller", repair.dropSmaller);
-  addOption(command, "--keep-cavities", repair.keepCavities);
-  addOption(command, "--remesh", repair.remesh);
+  addOptions(command, {{"--tolerance", &repair.tolerance},
+                       {"--triangles", &repair.triangles},
+                       {"--offset", &repair.offset},
+                       {"--shell", &repair.shell},
+                       {"--min-thickness", &repair.minThickness},
+                       {"--base", &repair.base},
+                       {"--drain-hole", &repair.drainHole},
+                       {"--drain-holes", &repair.drainHoles},
+                       {"--down", &arguments.down},
+                       {"--drop-smaller", &repair.dropSmaller},
+                       {"--keep-cavities", &repair.keepCavities},
+                       {"--remesh", &repair.remesh}});
 }
 
 }  // namespace
 
-void addRepair(CLI::App& app) {
-  CLI::App* command =
-      app.add_subcommand("repair", "Make a watertight solid from any mesh, for example to print it");
-  const auto arguments = std::make_shared<RepairArguments>();
-  addMeshFileOptions(*command, *arguments);
-  addSpacingOptions(*command, arguments->grid);
-  addOption(*command, "--orientation", arguments->orientation);
-  addOption(*command, "--close-holes", arguments->repair.closeHoles);
-  addShapeOptions(*command, *arguments);
-  addMachineOptions(*command, arguments->machine);
-  command->footer(kRepairFooter);
-  command->callback([arguments] { run(*arguments); });
+void addRepair(Program& program) {
+  Command& command = program.addCommand(
+      "repair", "Make a watertight solid from any mesh, for example to print it", kRepairFooter);
+  auto& arguments = command.runs<RepairArguments>(run);
+  addMeshFileOptions(command, arguments);
+  addSpacingOptions(command, arguments.grid);
+  addOptions(command,
+             {{"--orientation", &arguments.orientation}, {"--close-holes", &arguments.repair.closeHoles}});
+  addShapeOptions(command, arguments);
+  addMachineOptions(command, arguments.machine);
 }
 
 }  // namespace raymap

@@ -18,7 +18,6 @@ struct RepairArguments : FieldArguments {
   std::filesystem::path mesh, result, stats;
   RepairOptions repair;
   std::vector<double> down;
-  bool mayOverwrite = false;
 };
 
 /// Returns whether a result is what `raymap repair` promises: watertight, with its faces outwards.

@@ -6,7 +6,6 @@
 #include "checks.h"
 #include "commands.h"
 #include "field_options.h"
-#include "options.h"
 #include "report.h"
 #include "terminal.h"
 
@@ -28,7 +27,6 @@ struct SampleArguments : FieldArguments {
   StreamFormat format;
   std::filesystem::path mesh, samples, stats;
   SamplePointsOptions choice;
-  bool mayOverwrite = false;
 };
 
 size_t countInside(const PointSamples& samples) {
@@ -63,7 +61,6 @@ void run(SampleArguments& arguments) {
   const std::vector<Output> outputs{{"--output", arguments.samples, sampleExtensions()},
                                     {"--stats", arguments.stats, {".json"}}};
   prepareFiles(arguments.format, {{arguments.mesh, meshExtensions()}}, outputs);
-  if (!arguments.mayOverwrite) checkInputs(outputs, {arguments.mesh});
   samplePointCounts(arguments.choice);
   Mesh mesh = loadMesh(arguments.mesh, arguments.format.input, arguments.units);
   ProgressLine line;
@@ -79,33 +76,31 @@ void run(SampleArguments& arguments) {
   print(arguments, surface, samples);
 }
 
-void addChoice(CLI::App& command, SamplePointsOptions& choice) {
-  addOption(command, "--count", choice.count);
-  addOption(command, "--near", choice.nearShare);
-  addOption(command, "--sigma", choice.sigmas);
-  addOption(command, "--surface", choice.surfaceShare);
-  addOption(command, "--seed", choice.seed);
-  addOption(command, "--normalize", choice.normalize);
+void addChoice(Command& command, SamplePointsOptions& choice) {
+  addOptions(command, {{"--count", &choice.count},
+                       {"--near", &choice.nearShare},
+                       {"--sigma", &choice.sigmas},
+                       {"--surface", &choice.surfaceShare},
+                       {"--seed", &choice.seed},
+                       {"--normalize", &choice.normalize}});
 }
 
 }  // namespace
 
-void addSample(CLI::App& app) {
-  CLI::App* command =
-      app.add_subcommand("sample", "Choose points near a mesh with signed distances, to train networks");
-  const auto arguments = std::make_shared<SampleArguments>();
-  command->add_option("mesh", arguments->mesh, "Mesh to choose points of")->type_name("MESH")->required();
-  addOutput(*command, arguments->samples, "Points to write", sampleExtensions())->required();
-  addOption(*command, "--format", arguments->format.given);
-  addFigureOptions(*command, arguments->stats);
-  addOption(*command, "--overwrite", arguments->mayOverwrite);
-  addUnitOptions(*command, arguments->units);
-  addChoice(*command, arguments->choice);
-  addOption(*command, "--orientation", arguments->orientation);
-  addOption(*command, "--threshold", arguments->options.threshold);
-  addCpuOptions(*command, arguments->machine);
-  command->footer(kSampleFooter);
-  command->callback([arguments] { run(*arguments); });
+void addSample(Program& program) {
+  Command& command = program.addCommand(
+      "sample", "Choose points near a mesh with signed distances, to train networks", kSampleFooter);
+  auto& arguments = command.runs<SampleArguments>(run);
+  addOperand(command, "MESH", &arguments.mesh, "Mesh to choose points of");
+  addOutput(command, arguments.samples, "Points to write", sampleExtensions()).isRequired = true;
+  addOptions(command, {{"--format", &arguments.format.given}});
+  addFigureOptions(command, arguments.stats);
+  addOptions(command, {{"--overwrite", &arguments.format.mayOverwrite}});
+  addUnitOptions(command, arguments.units);
+  addChoice(command, arguments.choice);
+  addOptions(command,
+             {{"--orientation", &arguments.orientation}, {"--threshold", &arguments.options.threshold}});
+  addCpuOptions(command, arguments.machine);
 }
 
 }  // namespace raymap

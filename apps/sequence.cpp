@@ -12,7 +12,7 @@
 
 #include "checks.h"
 #include "field_array.h"
-#include "options.h"
+#include "parser.h"
 #include "terminal.h"
 #include "warnings.h"
 
@@ -34,11 +34,11 @@ Box shapeBounds(const Field& field) {
 
 }  // namespace
 
-void addFrameOptions(CLI::App& command, FrameArguments& arguments) {
-  CLI::Option* frames = addOption(command, "--frames", arguments.frames);
-  addOption(command, "--fps", arguments.fps)->needs(frames);
-  addOption(command, "--start-frame", arguments.start)->needs(frames);
-  addOption(command, "--clip", arguments.clip)->needs(frames);
+void addFrameOptions(Command& command, FrameArguments& arguments) {
+  addOptions(command, {{"--frames", &arguments.frames},
+                       {"--fps", &arguments.fps},
+                       {"--start-frame", &arguments.start},
+                       {"--clip", &arguments.clip}});
 }
 
 namespace {

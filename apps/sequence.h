@@ -3,13 +3,13 @@
 #include <raymap/animation.h>
 #include <raymap/field.h>
 
-#include <CLI/CLI.hpp>
 #include <filesystem>
 #include <optional>
 #include <string>
 #include <variant>
 
 #include "mesh_units.h"
+#include "parser.h"
 
 namespace raymap {
 
@@ -22,7 +22,7 @@ struct FrameArguments {
 };
 
 /// Adds `--frames`, `--fps`, `--start-frame` and `--clip`.
-void addFrameOptions(CLI::App& command, FrameArguments& arguments);
+void addFrameOptions(Command& command, FrameArguments& arguments);
 
 /// Returns the path of one frame: that of `pattern` with the number in the place of %d or %04d, or else of $F
 /// or $F4, or else of #, a digit each. Throws `Error(Usage)` unless its name has one such place.

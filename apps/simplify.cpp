@@ -9,7 +9,6 @@
 #include "field_options.h"
 #include "mesh_output.h"
 #include "mesh_units.h"
-#include "options.h"
 #include "report.h"
 #include "terminal.h"
 #include "warnings.h"
@@ -32,7 +31,6 @@ mesh watertight, and takes the same options.)";
 struct SimplifyArguments {
   StreamFormat format;
   std::filesystem::path mesh, result, stats;
-  bool mayOverwrite = false;
   MeshUnits units;
   MachineOptions machine;
   std::optional<double> tolerance;
@@ -51,7 +49,7 @@ Json describe(const SimplifyArguments& arguments, const SimplifyReport& report, 
   return json;
 }
 
-void print(const SimplifyReport& report) {
+void printCounts(const SimplifyReport& report) {
   const std::string count = counted(report.trianglesAfter, "triangle");
   if (report.tolerance == 0.0)
     std::printf("kept as it is, with %s\n", count.c_str());
@@ -67,7 +65,6 @@ void run(SimplifyArguments& arguments) {
   const std::vector<Output> outputs{{"--output", arguments.result, writableMeshExtensions()},
                                     {"--stats", arguments.stats, {".json"}}};
   prepareFiles(arguments.format, {{arguments.mesh, meshExtensions()}}, outputs);
-  if (!arguments.mayOverwrite) checkInputs(outputs, {arguments.mesh});
   const std::filesystem::path input = named(arguments.mesh, arguments.format.input),
                               output = named(arguments.result, arguments.format.output);
   checkMeshUnits(arguments.units, output);
@@ -87,22 +84,20 @@ void run(SimplifyArguments& arguments) {
   checkStored(stored);
   writeMesh(stored.path, stored.exact, stored.options);
   if (!arguments.stats.empty()) writeJson(arguments.stats, describe(arguments, report, stored));
-  print(report);
+  printCounts(report);
   printWritten(stored.path, stored.options);
   if (!arguments.stats.empty()) printWritten(arguments.stats);
 }
 
 }  // namespace
 
-void addSimplify(CLI::App& app) {
-  CLI::App* command = app.add_subcommand("simplify", "Make a watertight mesh of fewer triangles");
-  const auto arguments = std::make_shared<SimplifyArguments>();
-  addMeshFileOptions(*command, *arguments);
-  addOption(*command, "--tolerance", arguments->tolerance);
-  addOption(*command, "--triangles", arguments->triangles);
-  addCpuOptions(*command, arguments->machine);
-  command->footer(kSimplifyFooter);
-  command->callback([arguments] { run(*arguments); });
+void addSimplify(Program& program) {
+  Command& command =
+      program.addCommand("simplify", "Make a watertight mesh of fewer triangles", kSimplifyFooter);
+  auto& arguments = command.runs<SimplifyArguments>(run);
+  addMeshFileOptions(command, arguments);
+  addOptions(command, {{"--tolerance", &arguments.tolerance}, {"--triangles", &arguments.triangles}});
+  addCpuOptions(command, arguments.machine);
 }
 
 }  // namespace raymap

@@ -5,15 +5,12 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <array>
-#include <cctype>
 #include <charconv>
 #include <cstdlib>
-#include <numeric>
 #include <vector>
 
 #include "checks.h"
-#include "options.h"
+#include "text.h"
 
 namespace raymap {
 
@@ -69,7 +66,7 @@ constexpr Guess kGuesses[] = {
 
 std::string adviceOn(std::string_view word, std::string_view command) {
   for (const Guess& guess : kGuesses) {
-    const std::vector<std::string> words = CLI::detail::split(std::string(guess.words), ',');
+    const std::vector<std::string> words = split(guess.words, ',');
     const bool isMeant = guess.command.empty() || guess.command == command;
     if (isMeant && std::ranges::count(words, word) > 0) return std::string(guess.advice);
   }
@@ -109,109 +106,64 @@ std::string closest(std::string_view word, const std::vector<std::string>& names
   return best;
 }
 
-std::vector<std::string> longNames(const CLI::App& command) {
-  std::vector<std::string> names;
-  for (const CLI::Option* option : command.get_options())
-    for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
+std::vector<std::string> longNames(const Command& command) {
+  std::vector<std::string> names{"--help"};
+  if (command.name.empty()) names.emplace_back("--version");
+  for (const Argument& each : command.options)
+    for (const std::string& name : split(allSpellings(each.row), ' '))
+      if (name.starts_with("--")) names.push_back(name.substr(0, name.find(',')));
   return names;
 }
 
-std::vector<const CLI::App*> commandsOf(const CLI::App& app) {
-  return app.get_subcommands([](const CLI::App*) { return true; });
-}
-
 /// Returns "generate, mesh and render": the commands that have an option.
-std::string commandsWith(const CLI::App& app, const std::string& name) {
+std::string commandsWith(const Program& program, const std::string& name) {
   std::vector<std::string> found;
-  for (const CLI::App* command : commandsOf(app))
-    if (command->get_option_no_throw(name) != nullptr) found.push_back(command->get_name());
-  std::string list;
-  for (size_t i = 0; i < found.size(); ++i)
-    list += (i == 0 ? "" : i + 1 < found.size() ? ", " : " and ") + found[i];
-  return list;
+  for (const Command& command : program.commands)
+    if (command.find(name) != nullptr) found.push_back(command.name);
+  return joined(found, ", ", " and ");
 }
 
 /// Returns what was meant by an option that a command does not have; empty if nothing is near.
-std::string meantBy(const CLI::App& app, const CLI::App& command, const std::string& argument) {
+std::string meantBy(const Program& program, const Command& command, const std::string& argument) {
   const std::string name = argument.substr(0, argument.find('='));
-  if (const std::string advice = adviceOn(name, command.get_name()); !advice.empty()) return advice;
+  if (const std::string advice = adviceOn(name, command.name); !advice.empty()) return advice;
   const bool isFile = hasExtension(argument, meshExtensions()) || hasExtension(argument, fieldExtensions()) ||
                       hasExtension(argument, writableMeshExtensions()) ||
                       hasExtension(argument, {".png", ".json", ".csv"});
   if (isFile) return "it begins like an option; a file of this name is ./" + argument;
   if (const OptionRow* row = findRow(name)) {
-    const std::string known = CLI::detail::split(row->name, ',').back(), others = commandsWith(app, known);
+    const std::string known = longName(*row), others = commandsWith(program, known);
     if (!others.empty()) return (known == name ? "it" : known) + " is an option of " + others;
   }
-  std::string near = closest(name, longNames(command));
-  return near.empty() ? near : "did you mean " + near + "?";
+  const std::string near = closest(name, longNames(command));
+  return near.empty() ? "" : "did you mean " + near + "?";
 }
 
-std::string describeUnknown(const CLI::App& app, const CLI::App& command,
-                            const std::vector<std::string>& unknown) {
-  const bool hasOptions =
-      std::ranges::any_of(unknown, [](const std::string& a) { return a.starts_with('-'); });
-  if (!hasOptions) {
-    std::string text = "there are more files than the command takes:";
-    for (const std::string& argument : unknown) text += " " + argument;
-    return text;
-  }
+std::string describeUnknown(const Program& program, const Parsed& parsed) {
   std::string text;
-  for (const std::string& argument : unknown) {
-    if (!argument.starts_with('-') || argument == "-") continue;
-    const std::string meant = meantBy(app, command, argument);
-    text += (text.empty() ? "" : "; ") + std::string("not understood: ") + argument +
+  for (const std::string& word : parsed.unknown) {
+    if (!word.starts_with('-') || word == "-") continue;
+    const std::string meant = meantBy(program, *parsed.command, word);
+    text += (text.empty() ? "" : "; ") + std::string("not understood: ") + word +
             (meant.empty() ? "" : "; " + meant);
   }
-  return text;
+  if (!text.empty() || !parsed.mistake.empty() || parsed.unknown.empty()) return text;
+  return "there are more files than the command takes: " + joined(parsed.unknown, " ");
 }
 
-std::string describeNoCommand(const CLI::App& app, const std::vector<std::string>& unknown) {
+std::string describeNoCommand(const Program& program, const std::vector<std::string>& unknown) {
   std::vector<std::string> names;
-  for (const CLI::App* command : commandsOf(app)) names.push_back(command->get_name());
-  const std::string all = CLI::detail::join(names, " ");
+  for (const Command& command : program.commands) names.push_back(command.name);
+  const std::string all = joined(names, " ");
   if (unknown.empty()) return "name a command: " + all;
   const std::string& word = unknown.front();
-  std::string meant = adviceOn(CLI::detail::to_lower(word), "");
-  if (meant.empty() && word.starts_with('-')) meant = meantBy(app, app, word);
+  std::string meant = adviceOn(lower(word), "");
+  if (meant.empty() && word.starts_with('-')) meant = meantBy(program, {}, word);
   if (meant.empty()) {
-    const std::string near = closest(CLI::detail::to_lower(word), names);
+    const std::string near = closest(lower(word), names);
     meant = near.empty() ? "use one of: " + all : "did you mean " + near + "?";
   }
   return "unknown command '" + word + "'; " + meant;
-}
-
-/// Returns an option with its value, as help shows it: "--output FILE".
-std::string shown(const CLI::Option& option) {
-  std::string value = option.get_option_text().empty() ? option.get_type_name() : option.get_option_text();
-  if (option.get_positional()) return value;
-  return option.get_name() + (value.empty() ? "" : " " + value);
-}
-
-/// Returns the option that CLI11's words name first, or second. They name a flag with a value without dashes.
-const CLI::Option* named(const CLI::App& command, const std::string& words, int place) {
-  for (const std::string& word : CLI::detail::split_up(CLI::detail::find_and_replace(words, ":", " ")))
-    for (const std::string& name : {word, "--" + word})
-      if (const CLI::Option* option = command.get_option_no_throw(name); option != nullptr && place-- == 0)
-        return option;
-  return nullptr;
-}
-
-std::string describeOption(const CLI::ParseError& error, const CLI::Option* option,
-                           const CLI::Option* other) {
-  const auto is = [&](const char* kind) { return error.get_name() == kind; };
-  if (option == nullptr) return error.what();
-  if (is("RequiredError")) return shown(*option) + " is required";
-  if (is("ExcludesError") && other != nullptr)
-    return option->get_name() + " and " + other->get_name() +
-           " cannot be used together; leave one of them out";
-  if (is("RequiresError") && other != nullptr)
-    return option->get_name() + " needs " + shown(*other) + "; add it";
-  if (option->get_expected_max() == 0) return option->get_name() + " takes no value";
-  if (is("ArgumentMismatch") && option->count() > 1)
-    return option->get_name() + " is given more than once; leave all but one out";
-  if (is("ArgumentMismatch")) return option->get_name() + " needs a value: " + shown(*option);
-  return error.what();
 }
 
 // ---- Help ----------------------------------------------------------------------------------------------
@@ -233,7 +185,7 @@ std::string wrapped(const std::string& text, size_t indent, size_t used) {
   const size_t width = terminalWidth();
   std::string result;
   bool isFirst = true;
-  for (const std::string& word : CLI::detail::split(text, ' ')) {
+  for (const std::string& word : split(text, ' ')) {
     if (!isFirst && used + 1 + word.size() > width) {
       result += "\n" + std::string(indent, ' ');
       used = indent;
@@ -254,11 +206,20 @@ std::string entry(const std::string& name, const std::string& meaning) {
   return line + wrapped(meaning, column, column);
 }
 
+std::string footerOf(const std::string& footer) {
+  std::string result;
+  for (const auto& [indent, text] : footerLines(footer))
+    result += std::string(indent, ' ') + wrapped(text, indent + (indent > 0 ? 4 : 0), indent);
+  return result;
+}
+
+constexpr const char* kHelp = "Print this help";
+
 }  // namespace
 
 std::vector<FooterLine> footerLines(const std::string& footer) {
   std::vector<FooterLine> lines;
-  for (const std::string& line : CLI::detail::split(footer, '\n')) {
+  for (const std::string& line : split(footer, '\n')) {
     const size_t indent = std::min(line.find_first_not_of(' '), line.size());
     const bool isOfParagraph = indent == 0 && !line.empty() && !lines.empty() && lines.back().indent == 0 &&
                                !lines.back().text.empty() && !lines.back().text.ends_with(':');
@@ -270,56 +231,38 @@ std::vector<FooterLine> footerLines(const std::string& footer) {
   return lines;
 }
 
-std::string describeUsageError(const CLI::App& app, const CLI::ParseError& error,
-                               std::span<const std::string> arguments) {
-  const std::vector<std::string> unknown = app.remaining(true);
-  const auto commands = app.get_subcommands();
-  if (commands.empty()) return describeNoCommand(app, unknown);
-  const CLI::App& command = *commands.front();
-  // Arguments in their order: CLI11 lists unknown ones last first.
-  std::vector<std::string> ordered;
-  for (const std::string& argument : arguments)
-    if (std::ranges::count(unknown, argument) > 0) ordered.push_back(argument);
-  const bool hasOptions =
-      std::ranges::any_of(ordered, [](const std::string& a) { return a.starts_with('-'); });
-  if (hasOptions || dynamic_cast<const CLI::ExtrasError*>(&error) != nullptr)
-    return describeUnknown(app, command, ordered);
-  return describeOption(error, named(command, error.what(), 0), named(command, error.what(), 1));
+std::string describeMistake(const Program& program, const Parsed& parsed) {
+  if (parsed.command == nullptr) return describeNoCommand(program, parsed.unknown);
+  const std::string unknown = describeUnknown(program, parsed);
+  return unknown.empty() ? parsed.mistake : unknown;
 }
 
-std::string HelpFormatter::make_option(const CLI::Option* option, bool isPositional) const {
-  std::string name = isPositional ? shown(*option) : option->get_name(false, true);
-  if (const OptionRow* row = isPositional ? nullptr : findRow(option->get_name())) {
-    name = allSpellings(*row) + (*row->value == '\0' ? "" : " " + std::string(row->value));
-  } else {
-    name = CLI::detail::find_and_replace(name, ",", ", ");
+std::string helpOf(const Program& program) {
+  std::string text = wrapped(program.description, 0, 0) + "Usage: raymap [OPTIONS] COMMAND\n\nOptions:\n" +
+                     entry("-V, --version", "Print the version") + entry("-h, --help", kHelp) +
+                     "\nCommands:\n";
+  for (const Command& command : program.commands) text += entry(command.name, command.description);
+  return text + "\n" + footerOf(program.footer);
+}
+
+std::string helpOf(const Command& command) {
+  std::string text = wrapped(command.description, 0, 0) + "Usage: raymap " + command.name + " [OPTIONS]";
+  for (const Argument& each : command.operands)
+    text += each.isRequired ? " " + each.shown() : " [" + each.shown() + "]";
+  text += command.operands.empty() ? "\n" : "\n\nPositionals:\n";
+  for (const Argument& each : command.operands) text += entry(each.shown(), each.help);
+  text += "\nOptions:\n" + entry("-h, --help", kHelp);
+  std::vector<std::string> groups;
+  for (const Argument& each : command.options)
+    if (std::ranges::count(groups, each.row.group) == 0) groups.emplace_back(each.row.group);
+  for (const std::string& group : groups) {
+    text += "\n" + group + ":\n";
+    for (const Argument& each : command.options)
+      if (each.row.group == group)
+        text += entry(allSpellings(each.row) + (*each.row.value == '\0' ? "" : " ") + each.row.value,
+                      each.help + (each.isRequired ? " (required)" : ""));
   }
-  return entry(name,
-               option->get_description() + (option->get_required() && !isPositional ? " (required)" : ""));
-}
-
-std::string HelpFormatter::make_option_usage(const CLI::Option* option) const {
-  return option->get_required() ? shown(*option) : "[" + shown(*option) + "]";
-}
-
-std::string HelpFormatter::make_help(const CLI::App* app, std::string name, CLI::AppFormatMode mode) const {
-  return CLI::detail::find_and_replace(CLI::Formatter::make_help(app, std::move(name), mode), "\n\n\n",
-                                       "\n\n");
-}
-
-std::string HelpFormatter::make_subcommand(const CLI::App* command) const {
-  return entry(command->get_name(), command->get_description());
-}
-
-std::string HelpFormatter::make_description(const CLI::App* app) const {
-  return wrapped(app->get_description(), 0, 0);
-}
-
-std::string HelpFormatter::make_footer(const CLI::App* app) const {
-  std::string result;
-  for (const auto& [indent, text] : footerLines(app->get_footer()))
-    result += std::string(indent, ' ') + wrapped(text, indent + (indent > 0 ? 4 : 0), indent);
-  return result;
+  return text + "\n" + footerOf(command.footer);
 }
 
 }  // namespace raymap

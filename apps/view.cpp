@@ -8,9 +8,9 @@
 #include "commands.h"
 #include "field_options.h"
 #include "movie.h"
-#include "options.h"
 #include "report.h"
 #include "terminal.h"
+#include "text.h"
 #include "view_options.h"
 #include "warnings.h"
 #ifdef RAYMAP_HAS_VIEW
@@ -152,20 +152,17 @@ void setState(const RenderOptions& options, view::ViewState& state) {
 
 /// Takes the camera, the planes and the surface of a command such as `commandFor` returns.
 void applyCommand(const std::string& text, view::ViewState& state) {
-  std::vector<std::string> words = normalized(CLI::detail::split_up(text));
-  CLI::App app;
-  app.allow_extras();
+  Command command;
   ViewArguments camera;
   RenderOptions options;
-  addViewOptions(app, camera);
-  addSceneOptions(app, camera, options);
+  addViewOptions(command, camera);
+  addSceneOptions(command, camera, options);
   std::string as;
-  addOption(app, "--as", as);
-  try {
-    app.parse(std::vector<std::string>(words.rbegin(), words.rend()));
-  } catch (const CLI::ParseError& error) {
-    throw Error(ErrorCode::Usage, std::string("the clipboard holds no view: ") + error.what());
-  }
+  addOptions(command, {{"--as", &as}});
+  Parsed parsed;
+  parse(command, wordsOf(text), parsed);
+  if (!parsed.mistake.empty())
+    throw Error(ErrorCode::Usage, "the clipboard holds no view: " + parsed.mistake);
   if (camera.eye.empty() || camera.direction.empty())
     throw Error(ErrorCode::Usage, "the clipboard holds no view: a command with --eye and --direction is one");
   setView(camera, false, options);
@@ -260,24 +257,21 @@ void run(WindowArguments& arguments) {
 
 }  // namespace
 
-void addView(CLI::App& app) {
-  CLI::App* command = app.add_subcommand("view", "Show a mesh and its field, or a field, in a window");
-  const auto arguments = std::make_shared<WindowArguments>();
-  arguments->camera.size = {1280, 800};
-  command->add_option("input", arguments->input, "Mesh or field to show")
-      ->type_name("MESH|FIELD")
-      ->required();
-  command->add_option("other", arguments->other, "Another one to compare with")->type_name("MESH|FIELD");
-  addOption(*command, "--grid", arguments->gridName);
-  addOption(*command, "--clip", arguments->clip);
-  addOption(*command, "--resolution", arguments->grid.resolution);
-  addMethodOptions(*command, *arguments);
-  addViewOptions(*command, arguments->camera);
-  addSceneOptions(*command, arguments->camera, arguments->view);
-  addOption(*command, "--as", arguments->as);
-  addMachineOptions(*command, arguments->machine);
-  command->footer(kViewFooter);
-  command->callback([arguments] { run(*arguments); });
+void addView(Program& program) {
+  Command& command =
+      program.addCommand("view", "Show a mesh and its field, or a field, in a window", kViewFooter);
+  auto& arguments = command.runs<WindowArguments>(run);
+  arguments.camera.size = {1280, 800};
+  addOperand(command, "MESH|FIELD", &arguments.input, "Mesh or field to show");
+  addOperand(command, "MESH|FIELD", &arguments.other, "Another one to compare with").isRequired = false;
+  addOptions(command, {{"--grid", &arguments.gridName},
+                       {"--clip", &arguments.clip},
+                       {"--resolution", &arguments.grid.resolution}});
+  addMethodOptions(command, arguments);
+  addViewOptions(command, arguments.camera);
+  addSceneOptions(command, arguments.camera, arguments.view);
+  addOptions(command, {{"--as", &arguments.as}});
+  addMachineOptions(command, arguments.machine);
 }
 
 }  // namespace raymap

@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "checks.h"
-#include "options.h"
+#include "parser.h"
 
 namespace raymap {
 
@@ -23,19 +23,18 @@ glm::dvec3 lookingDown(const glm::dvec3& up) {
 
 }  // namespace
 
-void addViewOptions(CLI::App& command, ViewArguments& arguments) {
-  addOption(command, "--size", arguments.size);
-  addOption(command, "--direction", arguments.direction);
-  addOption(command, "--up", arguments.up);
+void addViewOptions(Command& command, ViewArguments& arguments) {
+  addOptions(command,
+             {{"--size", &arguments.size}, {"--direction", &arguments.direction}, {"--up", &arguments.up}});
 }
 
-void addSceneOptions(CLI::App& command, ViewArguments& arguments, RenderOptions& view) {
-  addOption(command, "--eye", arguments.eye);
-  addOption(command, "--iso", view.iso);
-  addOption(command, "--shell", view.shell);
-  addOption(command, "--cut-plane", arguments.cutPlane);
-  addOption(command, "--slice-plane", arguments.slicePlane);
-  addOption(command, "--range", view.range);
+void addSceneOptions(Command& command, ViewArguments& arguments, RenderOptions& view) {
+  addOptions(command, {{"--eye", &arguments.eye},
+                       {"--iso", &view.iso},
+                       {"--shell", &view.shell},
+                       {"--cut-plane", &arguments.cutPlane},
+                       {"--slice-plane", &arguments.slicePlane},
+                       {"--range", &view.range}});
 }
 
 bool isZUp(const std::filesystem::path& path, const std::string& format) {

@@ -2,10 +2,11 @@
 
 #include <raymap/render.h>
 
-#include <CLI/CLI.hpp>
 #include <filesystem>
 #include <string>
 #include <vector>
+
+#include "parser.h"
 
 namespace raymap {
 
@@ -16,9 +17,9 @@ struct ViewArguments {
 };
 
 /// Adds the options of every picture.
-void addViewOptions(CLI::App& command, ViewArguments& arguments);
+void addViewOptions(Command& command, ViewArguments& arguments);
 /// Adds those of a sphere-traced field.
-void addSceneOptions(CLI::App& command, ViewArguments& arguments, RenderOptions& view);
+void addSceneOptions(Command& command, ViewArguments& arguments, RenderOptions& view);
 
 /// Returns whether z is up in files of this kind, as 3D printing and CAD have it: .stl and .3mf. `format` is
 /// that of a file whose name does not tell it.

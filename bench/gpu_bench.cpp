@@ -5,7 +5,6 @@
 #include <raymap/error.h>
 #include <raymap/generate.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -14,6 +13,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <span>
 
 #include "api/devices.h"
 #include "copy_rate_push.h"
@@ -166,28 +166,21 @@ void print(const Json& line) {
   std::fflush(stdout);
 }
 
-void addCountOptions(CLI::App& app, bool& counts, CountOptions& options) {
-  app.add_flag("--count", counts, "Count the work of every stage instead");
-  const auto add = [&app](const char* name, auto& value, const char* help) {
-    app.add_option(name, value, help)->needs("--count")->capture_default_str();
-  };
-  add("--mesh", options.meshes, "Meshes to count: built-in names or files");
-  add("--setting", options.settings, "default, quick");
-  add("--resolution", options.resolutions, "Samples along the longest side");
-  app.add_flag("--times-only", options.timesOnly, "Measure the time of every kernel, and count nothing")
-      ->needs("--count");
-}
-
 int run(int argc, char** argv) {
-  std::string name = "vulkan";
-  CLI::App app("Answers cases from standard input with what they cost.");
-  app.add_option("--device", name, "vulkan or vulkan:K");
-  bool counts = false;
-  CountOptions count;
-  addCountOptions(app, counts, count);
-  CLI11_PARSE(app, argc, argv);
-  if (counts) {
-    count.device = name;
+  std::map<std::string, std::vector<std::string>> given;  // Values that follow each option.
+  std::vector<std::string>* values = &given[""];
+  for (const std::string word : std::span(argv + 1, argv + argc))
+    if (word.starts_with("--"))
+      values = &given[word];
+    else
+      values->push_back(word);
+  const std::string name = given.contains("--device") ? given["--device"].at(0) : "vulkan";  // Or vulkan:K.
+  if (given.contains("--count")) {
+    CountOptions count{.device = name, .timesOnly = given.contains("--times-only")};
+    if (given.contains("--mesh")) count.meshes = given["--mesh"];          // Built-in names or files.
+    if (given.contains("--setting")) count.settings = given["--setting"];  // default, quick
+    if (given.contains("--resolution")) count.resolutions.clear();
+    for (const std::string& number : given["--resolution"]) count.resolutions.push_back(std::stoi(number));
     countWork(count);
     return 0;
   }

@@ -3,7 +3,6 @@
 
 #include <raymap/error.h>
 
-#include <CLI/CLI.hpp>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
@@ -61,32 +60,29 @@ void exportMesh(const Mesh& mesh, const std::string& name) {
 }
 
 int run(int argc, char** argv) {
-  std::string method, mesh = "bunny", output, points;
-  std::vector<int> dims;
-  std::vector<double> origin(3);
-  double spacing = 0.0;
-  GridOptions gridOptions;
+  if (argc != 2) throw Error(ErrorCode::Usage, "the case is one argument, an object of JSON");
+  const nlohmann::json given = nlohmann::json::parse(argv[1]);
+  const std::string method = given.at("method");         // Or "export".
+  const std::string points = given.value("points", "");  // A raw file of float x 3.
+  const std::string output =
+      given.value("output", "");  // Where to write the samples as raw floats, or the mesh.
   Case input;
-  input.threads = 2;
-  CLI::App app("Runs one method on one case.");
-  app.add_option("method", method, "a method, or `export`")->required();
-  app.add_option("--mesh", mesh, "bunny, holes, million, sphere or a file; NAME of raw files");
-  app.add_option("--resolution", gridOptions.resolution);
-  app.add_option("--dims", dims, "the grid, instead of --resolution")->expected(3);
-  app.add_option("--origin", origin)->expected(3);
-  app.add_option("--spacing", spacing);
-  app.add_option("--points", points, "a raw file of float x 3");
-  app.add_option("--threads", input.threads);
-  app.add_option("--band", input.band, "samples; 0 = the whole box");
-  app.add_option("--output", output, "where to write the samples as raw floats, or the mesh");
-  CLI11_PARSE(app, argc, argv);
-
-  input.mesh = meshOf(mesh);
+  input.threads = given.value("threads", 2);
+  input.band = given.value("band", input.band);  // In samples; 0: the whole box.
+  input.mesh =
+      meshOf(given.value("mesh", "bunny"));  // bunny, holes, million, sphere or a file; NAME of raw files.
   if (!points.empty()) input.points = readRaw<glm::vec3>(points);
-  input.grid = dims.empty() ? fitGrid(input.mesh, gridOptions)
-                            : Grid{.dims = {dims[0], dims[1], dims[2]},
-                                   .origin = {origin[0], origin[1], origin[2]},
-                                   .spacing = spacing};
+  if (given.contains("dims")) {
+    const std::vector<int> dims = given["dims"];
+    const std::vector<double> origin = given.at("origin");
+    input.grid = {.dims = {dims.at(0), dims.at(1), dims.at(2)},
+                  .origin = {origin.at(0), origin.at(1), origin.at(2)},
+                  .spacing = given.at("spacing")};
+  } else {
+    GridOptions options;
+    if (given.contains("resolution")) options.resolution = given["resolution"].get<int>();
+    input.grid = fitGrid(input.mesh, options);
+  }
   const Grid& grid = input.grid;
   nlohmann::json report = {{"dims", {grid.dims.x, grid.dims.y, grid.dims.z}},
                            {"origin", {grid.origin.x, grid.origin.y, grid.origin.z}},

@@ -65,7 +65,7 @@ def embree_points(folder, name, points, threads):
     """It gets the points sorted along a curve, for free."""
     order = curve_order(points)
     np.ascontiguousarray(points[order], np.float32).tofile(folder / "points")
-    cost = peer("embree_points", "--mesh", name, "--points", folder / "points", "--threads", threads, "--output", folder / "samples")
+    cost = peer("embree_points", mesh=name, points=folder / "points", threads=threads, output=folder / "samples")
     values = np.empty(len(points), np.float32)
     values[order] = np.fromfile(folder / "samples", np.float32)
     return values, cost
@@ -96,7 +96,7 @@ def queries(rounds=3, threads=2, count=1_000_000, only=("",)):
             continue
         with tempfile.TemporaryDirectory(dir=BUILD) as text:
             folder, random = pathlib.Path(text), np.random.default_rng(1)
-            peer("export", "--mesh", name, "--output", folder / "mesh")
+            peer("export", mesh=name, output=folder / "mesh")
             mesh = read_raw(folder / "mesh")
             points = uniform_points(mesh[0], count, random) if place == "uniform" else near_points(mesh, count, random, 2.5e-3)
             points = points.astype(np.float32)

@@ -14,9 +14,9 @@ from harness import BUILD, head, in_process, inside, is_wanted, line, measured, 
 PEERS = BUILD / "bin/peers"  # Embree and OpenVDB, and Raymap in C++.
 
 
-def peer(method, *arguments):
-    """Runs a method of the program `peers` and returns what it printed."""
-    done = subprocess.run([str(word) for word in (PEERS, method, *arguments)], capture_output=True, text=True)
+def peer(method, **case):
+    """Runs a method of the program `peers` on a case and returns what it printed."""
+    done = subprocess.run([PEERS, json.dumps({"method": method, **case}, default=str)], capture_output=True, text=True)
     if done.returncode != 0:
         raise RuntimeError(done.stderr.strip()[-300:])
     return json.loads(done.stdout)
@@ -36,8 +36,8 @@ def openvdb_field(mesh, grid, band=3):
     """Returns OpenVDB's values of all samples of a grid."""
     with tempfile.TemporaryDirectory() as folder:
         write_raw(mesh, f"{folder}/mesh")
-        peer("openvdb", "--mesh", f"{folder}/mesh", "--dims", *grid.shape, "--origin", *grid.origin, "--spacing", grid.spacing,
-             "--band", band, "--output", f"{folder}/samples")  # fmt: skip
+        peer("openvdb", mesh=f"{folder}/mesh", dims=list(map(int, grid.shape)), origin=list(map(float, grid.origin)),
+             spacing=float(grid.spacing), band=band, output=f"{folder}/samples")  # fmt: skip
         return np.fromfile(f"{folder}/samples", np.float32).reshape(grid.shape, order="F")
 
 
@@ -114,9 +114,9 @@ PACKAGE_OF = {"igl_signed_distance": "igl", "igl_winding": "igl", "open3d": "ope
 def run_field(method, mesh, n, band, threads, folder, spacing=None):
     """Returns a run's samples, and its cost with what `peers` says about the mesh and the grid."""
     if method not in PACKAGE_OF:
-        cost = peer(method, "--mesh", mesh, "--resolution", n, "--band", band, "--threads", threads, "--output", folder / "samples")
+        cost = peer(method, mesh=mesh, resolution=n, band=band, threads=threads, output=folder / "samples")
         return np.fromfile(folder / "samples", np.float32), cost
-    known = peer("export", "--mesh", mesh, "--resolution", n, "--output", folder / mesh)
+    known = peer("export", mesh=mesh, resolution=n, output=folder / mesh)
     np.savez(folder / "case.npz", name=str(folder / mesh), dims=known["dims"], origin=known["origin"], spacing=known["spacing"])
     values, cost = in_process(f"speed:{method}", folder / "case.npz", threads)
     return values["values"], cost
@@ -170,7 +170,7 @@ def threads(rounds=3):
     """Wall time of fields on two threads over that on one: docs/performance.md."""
     head("mesh", "resolution", "wall 1 thread", "wall 2 threads", "share", "at most")
     for mesh, n in (("bunny", 128), ("bunny", 256), ("million", 256)):
-        one, two = (median([peer("raymap", "--mesh", mesh, "--resolution", n, "--threads", count) for _ in range(rounds)], "wall")
+        one, two = (median([peer("raymap", mesh=mesh, resolution=n, threads=count) for _ in range(rounds)], "wall")
                     for count in (1, 2))  # fmt: skip
         line(mesh, n, f"{one:.3f}", f"{two:.3f}", f"{two / one:.2f}", f"0.6 {'met' if two <= 0.6 * one else 'MISSED'}")
 
@@ -195,7 +195,7 @@ def stages(meshes=("bunny", "holes", "million"), resolutions=(50, 128, 256), rou
     head("options", "stage", "mesh", "MB at least", "floor ms", "ms at " + ", ".join(map(str, resolutions)), "ms / floor")
     for name in meshes:
         with tempfile.TemporaryDirectory() as folder:
-            peer("export", "--mesh", name, "--output", f"{folder}/mesh")
+            peer("export", mesh=name, output=f"{folder}/mesh")
             mesh = read_raw(f"{folder}/mesh")
         for options in STAGES:
             times = {}

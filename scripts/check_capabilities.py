@@ -175,8 +175,8 @@ class Program:
     def __init__(self, root):
         text = "\n".join(path.read_text() for path in sorted((root / "apps").glob("*.cpp")))
         self.wanted = {f"raymap {name}" for name in commands(root)}
-        flags = re.findall(r'set_(?:version|help)_flag\("([^"]+)"', text)
-        self.commands = {flag: {"raymap"} for names in flags for flag in names.split(",")}  # "all" stands for all.
+        flags = re.findall(r'entry\("(-\w, --\w+)"', text)
+        self.commands = {flag: {"raymap"} for names in flags for flag in names.split(", ")}  # "all" stands for all.
         for _, cells in rows((root / OPTIONS_PAGE).read_text()):
             for option in re.findall(r"`(-[\w-]+)`", " ".join(cells[:2])) if len(cells) == OPTIONS_COLUMNS else ():
                 self.commands[option] = set(cells[-1].split(", "))

@@ -13,7 +13,7 @@ fail() {
   exit 1
 }
 
-found=$(grep -iE '^(assimp|cli11|expat|glslc|imath|nlohmann|openvdb|png|pugixml|volk|vulkan|zip|zlib)' "$build/CMakeCache.txt") || true
+found=$(grep -iE '^(assimp|expat|glslc|imath|nlohmann|openvdb|png|pugixml|volk|vulkan|zip|zlib)' "$build/CMakeCache.txt") || true
 if [[ -n $found ]]; then fail "CMake looked for libraries that the core does not need" "$found"; fi
 
 # The packages that own the headers which the compiler read.

@@ -39,7 +39,6 @@ HEADERS = {
     "Assimp": r"assimp/",
     "nlohmann-json": r"nlohmann/",
     "volk": r"volk\.h",
-    "CLI11": r"CLI/",
 }
 
 

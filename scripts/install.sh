@@ -18,7 +18,6 @@ packages=(
   libpugixml-dev libzip-dev libexpat1-dev  # .vti, .npz and .3mf
   libopenvdb-dev libboost-dev libboost-iostreams-dev  # .vdb (and a benchmark's peer), and what its headers need
   libnanovdb-dev                 # .nvdb
-  libcli11-dev                   # the command line
   libvulkan-dev libvulkan-volk-dev  # GPUs: headers, the loader's loader;
   mesa-vulkan-drivers vulkan-validationlayers  # and a GPU in software to test on, and checks of how it is used
   libglfw3-dev libimgui-dev fonts-dejavu-core  # the window, and its font

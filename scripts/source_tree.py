@@ -35,7 +35,7 @@ def includes(text):
 def commands(root):
     """Returns the names of the commands of the program raymap."""
     sources = "".join(path.read_text() for path in sorted((root / "apps").glob("*.cpp")))
-    return re.findall(r'add_subcommand\(\s*"(\w+)"', sources)
+    return re.findall(r'addCommand\(\s*"(\w+)"', sources)
 
 
 def defined_twice(places):

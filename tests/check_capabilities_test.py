@@ -73,7 +73,7 @@ class Field:
     def sample(self, points, *, outside="bound"): ...
 def load(path, **options: Unpack[Options]): ...
 """)
-        self.put("apps/info.cpp", 'app.add_subcommand(\n      "info", "Reports");\napp.set_help_flag("-h,--help", "Help");\n')
+        self.put("apps/info.cpp", 'app.addCommand(\n      "info", "Reports");\nentry("-h, --help", "Help");\n')
         self.put("docs/cli.md", "| option | also written | value | default | commands |\n|---|---|---|---|---|\n"
                                 "| `--json` | `-j` |  |  | info |\n| `-o`, `--output` |  | FILE |  | mesh |\n"
                                 "| `--quiet` |  |  |  | all |\n")
@@ -139,7 +139,7 @@ def load(path, **options: Unpack[Options]): ...
     def test_finds_new_names(self):
         self.put_tree()
         self.put("include/raymap/new.h", "namespace raymap {\nRAYMAP_API void writeMesh(const Mesh&);\n}\n")
-        self.put("apps/new.cpp", 'app.add_subcommand("repair", "Repairs");\n')
+        self.put("apps/new.cpp", 'app.addCommand("repair", "Repairs");\n')
         self.put("python/raymap/__init__.py", '__all__ = ["Field", "load", "save"]\n')
         self.assert_found(self.rows() + REASONS, " no row mentions writeMesh (C++)", " no row mentions save (Python)",
                           " no row mentions raymap repair (Command line)")

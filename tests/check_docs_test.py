@@ -60,7 +60,7 @@ class CheckDocs(PlantedTree):
         self.assert_found("src/render/slice_view.cpp does not include libpng")
 
     def test_finds_commands_without_a_section(self):
-        self.append("apps/convert.cpp", 'void add(CLI::App& app) { app.add_subcommand("paint", "Paint a mesh"); }')
+        self.append("apps/convert.cpp", 'void add(Program& program) { program.addCommand("paint", "Paint a mesh", ""); }')
         self.assert_found("docs/cli.md: has no section on the command paint",
                           "docs/cli.md: lists the command paint 0 times; list it once")
 

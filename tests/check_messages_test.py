@@ -11,7 +11,7 @@ class CheckMessages(PlantedTree):
 
     def setUp(self):
         super().setUp()
-        self.put("apps/devices.cpp", 'app.add_subcommand("devices", "List devices");\napp.add_subcommand("info", "Report");\n')
+        self.put("apps/devices.cpp", 'app.addCommand("devices", "List devices");\napp.addCommand("info", "Report");\n')
         self.put("src/right.cpp", 'throw Error("use a smaller voxel size");\n')
 
     def assert_found(self, *places):

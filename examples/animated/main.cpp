@@ -10,7 +10,6 @@
 #include <raymap/raymap.h>
 #include <raymap/vulkan.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <charconv>
 #include <cstdio>
@@ -198,43 +197,53 @@ void run(const Arguments& arguments) {
   print("median of " + std::to_string(arguments.frames) + " frames", medians(times));
 }
 
-void setSize(const std::string& text, Arguments& arguments) {
-  const auto readSide = [](std::string_view side, int& pixels) {
-    const auto [end, error] = std::from_chars(side.begin(), side.end(), pixels);
-    return error == std::errc() && end == side.end() && pixels >= 1 && pixels <= raymap::kMaxPictureSide;
-  };
-  const std::string_view whole = text;
-  const size_t cross = whole.find('x');
-  if (cross == whole.npos || !readSide(whole.substr(0, cross), arguments.width) ||
-      !readSide(whole.substr(cross + 1), arguments.height))
-    throw CLI::ValidationError("--size", "'" + text + "' is not a size such as 640x480");
+constexpr const char* kHelp = R"(Usage: raymap_animated [MESH] -o FOLDER [OPTIONS]
+  MESH                    a glTF or GLB file (default: a bending tube)
+  -o, --output FOLDER     folder for the pictures
+  --animation N           which of the file's animations (default 0)
+  --frames N              frames, once around (default 60)
+  --every N               keep the picture of every so many frames (default 10)
+  --resolution N          samples along the grid's longest side (default 64)
+  --size WIDTHxHEIGHT     size of the pictures (default 640x480)
+  --device K              which Vulkan device (default: a GPU if there is one))";
+
+[[noreturn]] void refuse(const std::string& what) {
+  throw raymap::Error(raymap::ErrorCode::Usage, what + "; see raymap_animated --help");
 }
 
-void addOptions(CLI::App& app, Arguments& arguments) {
-  app.add_option("mesh", arguments.mesh, "A glTF or GLB file (default: a bending tube)");
-  app.add_option("-o,--output", arguments.folder, "Folder for the pictures")->required();
-  app.add_option("--animation", arguments.animation, "Which of the file's animations (default 0)");
-  app.add_option("--frames", arguments.frames, "Frames, once around (default 60)")
-      ->check(CLI::Range(1, 1000000));
-  app.add_option("--every", arguments.every, "Keep the picture of every so many frames (default 10)")
-      ->check(CLI::Range(1, 1000000));
-  app.add_option("--resolution", arguments.resolution, "Samples along the grid's longest side (default 64)")
-      ->check(CLI::Range(1, 2048));
-  app.add_option_function<std::string>(
-      "--size", [&](const std::string& text) { setSize(text, arguments); },
-      "Width and height of the pictures (default 640x480)");
-  app.add_option("--device", arguments.device, "Which Vulkan device (default: a GPU if there is one)");
+int numberFrom(int low, int high, const std::string& option, std::string_view text) {
+  int value = 0;
+  const auto [end, error] = std::from_chars(text.begin(), text.end(), value);
+  if (error != std::errc() || end != text.end() || value < low || value > high)
+    refuse(option + ": must be from " + std::to_string(low) + " to " + std::to_string(high));
+  return value;
+}
+
+void setOption(const std::string& option, const std::string& text, Arguments& arguments) {
+  const auto number = [&](int low, int high) { return numberFrom(low, high, option, text); };
+  if (option == "-o" || option == "--output") return void(arguments.folder = text);
+  if (option == "--animation") return void(arguments.animation = size_t(number(0, 1000000)));
+  if (option == "--frames") return void(arguments.frames = number(1, 1000000));
+  if (option == "--every") return void(arguments.every = number(1, 1000000));
+  if (option == "--resolution") return void(arguments.resolution = number(1, 2048));
+  if (option == "--device") return void(arguments.device = uint32_t(number(0, 1000)));
+  if (option != "--size") refuse("there is no option " + option);
+  const size_t cross = std::min(text.find('x'), text.size() - 1);
+  arguments.width = numberFrom(1, raymap::kMaxPictureSide, option, text.substr(0, cross));
+  arguments.height = numberFrom(1, raymap::kMaxPictureSide, option, text.substr(cross + 1));
 }
 
 int parseAndRun(int argc, char** argv) {
-  CLI::App app("Makes and draws the signed distance field of a moving mesh in every frame, on the GPU.");
   Arguments arguments;
-  addOptions(app, arguments);
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : 2;
+  for (int k = 1; k < argc; ++k) {
+    const std::string word = argv[k];
+    if (word == "-h" || word == "--help") return std::puts(kHelp) < 0 ? 1 : 0;
+    if (!word.starts_with('-'))
+      arguments.mesh = word;
+    else
+      setOption(word, ++k < argc ? argv[k] : "", arguments);
   }
+  if (arguments.folder.empty()) refuse("-o FOLDER is required");
   run(arguments);
   return 0;
 }

@@ -50,9 +50,6 @@ class CliOptions : public Cli {
   std::string said(const std::string& arguments) const {
     const Result result = run(arguments);
     EXPECT_LE(result.code, 10) << arguments;
-    for (const char* raw : {"Could not convert", "not in {", "excludes", "requires", "was not expected",
-                            "TEXT", "INT", "FLOAT", "At most", "At Most"})
-      EXPECT_EQ(result.err.find(raw), std::string::npos) << arguments << ": " << result.err;
     return result.err.empty() ? result.out : result.err;
   }
 };
@@ -215,6 +212,15 @@ TEST_F(CliOptions, AreUnderstoodOrNamed) {
       {"voxelize torus.ply", "raymap generate MESH -o FIELD"},
       {"decimate torus.ply", "raymap simplify MESH -o RESULT --triangles N"},
       {"INFO torus.ply -q", ""},
+      {"generate --bounds -4 -3 -1 4 3 1 torus.ply -o o.nrrd -q --voxel 1", ""},
+      {"render --size 20 10 torus.ply -o o.png -qr16", ""},
+      {"query --arrays distance,closest torus.ply p.csv -qo o.csv", ""},
+      {"query torus.ply p.csv -q -o o.csv --arrays distance closest", ""},
+      {"generate -qfo o.nrrd -r8 -- torus.ply", ""},
+      {"generate -- torus.ply", "--output FILE is required"},
+      {"check -q -- torus.ply torus.ply", ""},
+      {"info torus.ply torus.ply", "more files than the command takes: torus.ply;"},
+      {"info torus.ply -q=3", "not understood: -=3"},
       {"-V", "raymap 0."},
       {"help repair", "Usage: raymap repair [OPTIONS] MESH"},
   };
