@@ -7,8 +7,8 @@ find_package(Threads REQUIRED)
 find_package(TBB REQUIRED)
 find_package(glm REQUIRED)
 find_package(hwy REQUIRED)
+find_package(nlohmann_json REQUIRED) # Reports and options of raymap/c.h.
 if(RAYMAP_IO)
-  find_package(nlohmann_json REQUIRED)
   find_package(ZLIB REQUIRED)
   find_package(EXPAT REQUIRED)
   # Linked by name, as OpenVDB is. Debian's OpenVDB has no CMake configuration, and libzip's wants its tools installed too.
@@ -32,8 +32,7 @@ if(RAYMAP_DRACO)
 endif()
 if(RAYMAP_RENDER)
   find_package(PNG REQUIRED)
-  # Of the pages that a browser shows: JSON, compression, and the shader of the GPU in the language of WebGL.
-  find_package(nlohmann_json REQUIRED)
+  # Of the pages that a browser shows: compression, and the shader of the GPU in the language of WebGL.
   find_package(ZLIB REQUIRED)
   find_program(SPIRV_CROSS spirv-cross REQUIRED)
 endif()

@@ -11,8 +11,8 @@ Each row of the page's tables is a feature. Its cells name, in `backticks`, what
 A cell without any is a dash and the number of a reason in the list at the end of the page: `- (2)`.
 
 Prints each name that does not exist, each cell that is empty without a reason, and each public name that no row mentions:
-functions and methods of C++, members of its options of a field, functions and named options of C, names of
-`raymap.__all__`, commands. Ends with 1 if there is any.
+functions and methods of C++, functions of C, names of `raymap.__all__`, commands. Ends with 1 if there is any.
+scripts/records.py lists all options in docs/options.md.
 
 check_capabilities.py [ROOT]: ROOT is the source tree, by default the one that this script lies in.
 """
@@ -25,7 +25,6 @@ from source_tree import COMMENT, chosen_root, commands, finish
 PAGE = "docs/capabilities.md"
 OPTIONS_PAGE, OPTIONS_COLUMNS = "docs/cli.md", 5
 COLUMNS = ("C++", "C", "Python", "Command line")
-FIELD_OPTIONS = ("Options", "FieldOptions", "MachineOptions")  # Structs with a row for each member.
 COMMENT_OR_DIRECTIVE = re.compile(COMMENT + r"|^[ \t]*#(?:\\\n|[^\n])*", re.S | re.M)
 SCOPE = re.compile(r"\b(namespace|class|struct|union|enum(?: class)?)\s+(?:RAYMAP_\w+\s+)?([\w:]*)(?!.*\b(?:class|struct)\b)[^()]*$",
                    re.S)
@@ -108,8 +107,6 @@ class Headers:
                     self.wanted |= {"::".join(filter(None, (scope, name))) for name in called}
                 elif kind == "exported class" or "RAYMAP_API" in declaration:
                     self.wanted |= {f"{scope}::{name}" for name in called if name.lstrip("~") != within}
-                elif within in FIELD_OPTIONS and not called and "::" not in scope:
-                    self.wanted |= {f"{scope}::{name}" for name in names(declaration)}
 
 
 class Package:
@@ -188,8 +185,8 @@ class Program:
 
 
 def named_options(root):
-    path = root / "src/c_api/c_options.cpp"
-    return {f'"{name}"' for name in re.findall(r'option == "(\w+)"', path.read_text())} if path.exists() else set()
+    path = root / "include/raymap/named_options.h"
+    return {f'"{name}"' for name in re.findall(r'OptionName\{"(\w+)"', path.read_text())} if path.exists() else set()
 
 
 def rows(text):
@@ -208,7 +205,7 @@ def check(root):
     c = Headers([public / "c.h"] if (public / "c.h").exists() else [], is_c=True)
     package, program, options = Package(root / "python/raymap"), Program(root), named_options(root)
     exists = (headers.all.__contains__, lambda name: name in c.all or name in options, package.has, program.has)
-    wanted = (headers.wanted, c.wanted | options, package.wanted, program.wanted)
+    wanted = (headers.wanted, c.wanted, package.wanted, program.wanted)
     reasons = set(re.findall(r"^(\d+)\. ", page, re.M))
     mentioned, problems, count = [set() for _ in COLUMNS], [], 0
     for number, (feature, *cells) in rows(page):

@@ -45,6 +45,7 @@ class Struct:
     def __init__(self, text):
         self.text = text
         self.members = {}  # Type and comment of each member.
+        self.defaults = {}  # As C++ writes them.
 
 
 def structs(header):
@@ -66,9 +67,10 @@ def structs(header):
             code += " " + code_part.strip()
             if not code.endswith(";"):
                 continue
-            if member := re.match(r" ([^(={]+?) (\w+)(?:;| =|\{)", code):
-                last = [member[1].removeprefix("const ").rstrip("&"), " ".join(comment + [after] * bool(after))]
+            if member := re.match(r" ([^(={]+?) (\w+)(?:;| = (.+);|\{(.*)\};)", code):
+                last = [member[1].removeprefix("const ").strip().rstrip("&"), " ".join(comment + [after] * bool(after))]
                 open_structs[-1][1].members[member[2]] = last
+                open_structs[-1][1].defaults[member[2]] = member[3] or member[4] or ""
             code, comment = "", []
         else:
             comment = []
@@ -118,8 +120,12 @@ class Record:
                      for key, kind, text in self.keys]
 
 
+def all_structs():
+    return {name: struct for header in sorted((ROOT / "include/raymap").glob("*.h")) for name, struct in structs(header)}
+
+
 def records():
-    found = {name: struct for header in sorted((ROOT / "include/raymap").glob("*.h")) for name, struct in structs(header)}
+    found = all_structs()
     text = (ROOT / "include/raymap/records.h").read_text()
     functions = re.findall(r"^void forEachMember\(const ([\w:]+)& (\w+), auto&& use\) \{\n(.*?)\n\}", text,
                            re.DOTALL | re.MULTILINE)
@@ -173,21 +179,30 @@ def tables(all_records, enum_names):
     return text + "\n"
 
 
-def main():
-    all_records, enum_names = records(), enums()
-    page = PAGE.read_text()
-    before, after = page.partition(BEGIN)[0], page.partition(END)[2]
-    wanted = {TYPES: python_types(all_records, enum_names),
-              PAGE: before + BEGIN + "\n" + tables(all_records, enum_names) + END + after}
+def within(path, made):
+    """Returns a page whose made part is replaced."""
+    page = path.read_text()
+    return page.partition(BEGIN)[0] + BEGIN + "\n" + made + END + page.partition(END)[2]
+
+
+def finish(wanted, source, counted):
+    """Writes files, or with --check returns 1 if one has another text."""
     if "--check" not in sys.argv[1:]:
         for path, text in wanted.items():
             path.write_text(text)
         return 0
     old = [path for path, text in wanted.items() if not path.exists() or path.read_text() != text]
     for path in old:
-        print(f"{path.relative_to(ROOT)} is not what include/raymap/records.h says; run scripts/records.py")
-    print(f"{len(all_records)} records, {sum(len(record.keys) for record in all_records)} keys, {len(old)} files differ")
+        print(f"{path.relative_to(ROOT)} is not what {source} says; run scripts/{Path(sys.argv[0]).name}")
+    print(f"{counted}, {len(old)} files differ")
     return 1 if old else 0
+
+
+def main():
+    all_records, enum_names = records(), enums()
+    wanted = {TYPES: python_types(all_records, enum_names), PAGE: within(PAGE, tables(all_records, enum_names))}
+    keys = sum(len(record.keys) for record in all_records)
+    return finish(wanted, "include/raymap/records.h", f"{len(all_records)} records, {keys} keys")
 
 
 if __name__ == "__main__":

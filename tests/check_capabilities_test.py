@@ -61,7 +61,7 @@ RAYMAP_API raymap_mesh* raymap_mesh_load(const char* path, double min[3]);
 }
 #endif
 """)
-        self.put("src/c_api/c_options.cpp", 'if (option == "band") options.band = value;\n')
+        self.put("include/raymap/named_options.h", 'struct List {\n  void all() { use(OptionName{"band", "N"}, options.band); }\n};\n')
         self.put("python/raymap/__init__.py", '__all__ = ["Field", "load"]\n')
         self.put("python/raymap/_load.py", """
 class Base(TypedDict):

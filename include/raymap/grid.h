@@ -28,16 +28,18 @@ inline constexpr int kDefaultResolution = 128;
 
 /// How to lay a grid over a mesh.
 struct GridOptions {
-  /// Samples along the longest side of the box; ignored with `voxelSize` or `dims`. Unset:
-  /// `kDefaultResolution`, for `fitRepairGrid` `kRepairResolution`.
+  /// Samples along the longest side of the box; ignored with `voxelSize` or `dims`. By default 128; for a
+  /// repair at least 256, chosen by the thinnest part.
   std::optional<int> resolution = {};
-  double voxelSize = 0.0;  ///< Spacing in the mesh's units; 0 = from `dims` or the resolution.
+  double voxelSize =
+      0.0;  ///< Distance between samples, in the mesh's units; 0 = from the resolution or `dims`.
   /// Number of samples (nx, ny, nz), for fields of one shape; by default the box decides. Cells about the
   /// centre of the box are as small as hold it. With `voxelSize` they have that size, and may cut the box.
   std::optional<glm::ivec3> dims = {};
   std::optional<Box> box = {};  ///< Box to cover, in the mesh's units; by default the padded bounds.
-  double padding = 0.1;         ///< Padding of the bounds on every side, as a share of their longest side.
-  double thickness = 0.0;       ///< `FieldOptions::thickness`: half of it pads the bounds besides.
+  /// Padding of the bounds on every side, as a share of their longest side; ignored with `box`.
+  double padding = 0.1;
+  double thickness = 0.0;  ///< That of `FieldOptions`: half of it pads the bounds besides.
   /// Whether sample (0, 0, 0) lies on multiples of 8 spacings, as OpenVDB's leaves do. Samples of all such
   /// grids of one spacing then coincide, and their level sets can be combined. Excludes `dims`.
   bool align = false;

@@ -48,29 +48,38 @@ enum class Orientation {
 
 /// Definition of the field. The defaults suit most meshes; raymap/machine.h says where it is made.
 struct FieldOptions {
+  /// Distance to the closest triangle: `exact`, or the faster approximations `neighbours`, `cell` and
+  /// `raster`.
   DistanceMode distance = DistanceMode::Exact;
+  /// Method that decides inside and outside: `harmonic`, `exact`, `paths`, `evolution`, `rays`, `ray`, or
+  /// `none` for distances without a sign.
   SignMode sign = SignMode::Harmonic;
+  /// Whether faces that point the wrong way are reversed: `auto`, if the field then fits clearly better;
+  /// `keep`, never; `repair`, whenever it fits no worse.
   Orientation orientation = Orientation::Auto;
-  int passes = 5;                        ///< Number of passes P of `Paths` or of steps of `Evolution`.
-  Sampling sampling = Sampling::Raymap;  ///< Offset points of `Paths` and `Evolution`, and the rays there.
-  std::vector<glm::ivec3> offsets =
-      {};                   ///< Offset points in samples, used in turn, in place of `sampling`'s.
-  double threshold = 0.5;   ///< A sample is inside if |winding number| exceeds this (§3.5).
-  double band = 0.0;        ///< Distances are clamped to this many samples; 0 = not clamped.
-  bool invert = false;      ///< Whether inside is positive instead of negative.
-  bool closeHoles = false;  ///< Whether distances count the surface that is missing in holes.
-  bool triangle = false;    ///< Whether to fill `Field::triangle`; not with `Raster`.
-  bool winding = false;     ///< Whether to fill `Field::winding`; not without a sign.
-  bool confidence = false;  ///< Whether to fill `Field::confidence`; not without a sign.
+  int passes = 5;  ///< Number of passes of the sign `paths`, or of steps of `evolution`.
+  /// Offset points of the signs `paths` and `evolution`: `raymap`, or `paper` for those of the paper.
+  Sampling sampling = Sampling::Raymap;
+  /// Offset points of `paths` and `evolution` in samples, used in turn, in place of those of `sampling`.
+  std::vector<glm::ivec3> offsets = {};
+  double threshold = 0.5;  ///< A point is inside if |winding number| exceeds this.
+  double band = 0.0;       ///< Distances are clamped to this many samples; 0 = not clamped.
+  bool invert = false;     ///< Whether to make inside positive and outside negative.
+  /// Whether to measure distances to the surface that is missing in holes, too. Without it, holes are closed
+  /// in steps as large as samples.
+  bool closeHoles = false;
+  bool triangle = false;    ///< Whether to compute closest triangles; not with the distance `raster`.
+  bool winding = false;     ///< Whether to compute winding numbers. Needs a sign.
+  bool confidence = false;  ///< Whether to compute the confidence in the sign. Needs a sign.
 
-  /// Thickness of a wall around the surface, in the mesh's units. Above 0, the solid is everything within
+  /// Thickness of a wall around the surface, in the mesh's units; 0 = none. The solid is everything within
   /// half of it from the surface, whatever `sign` says: for sheets that enclose nothing. Excludes `winding`,
-  /// `confidence` and `closeHoles`, which need a sign. `GridOptions::thickness` makes place for it in the
-  /// grid.
+  /// `confidence` and `closeHoles`, which need a sign. The grid grows by half of it.
   double thickness = 0.0;
 
-  /// Whether a mesh may have no triangles. All samples are then outside and as far as numbers go: at the
-  /// band, or at the largest float without one; they have `kNoTriangle`, winding number 0 and confidence 1.
+  /// Whether to accept a mesh without triangles. All samples are then outside and as far as numbers go: at
+  /// the `band`, or at the largest float without one. They have no triangle, winding number 0 and
+  /// confidence 1.
   bool allowEmpty = false;
 
   bool operator==(const FieldOptions&) const = default;

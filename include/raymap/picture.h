@@ -29,12 +29,14 @@ struct Plane {
 
 /// How to draw a field by sphere tracing (Hart 1996).
 struct RenderOptions {
-  int width = 1024;                         ///< In pixels.
-  int height = 768;                         ///< In pixels.
+  int width = 1024;                         ///< Width of the picture, in pixels.
+  int height = 768;                         ///< Height of the picture, in pixels.
   glm::dvec3 direction{-0.6, -0.45, -1.0};  ///< Direction from the camera to the centre of the shape.
   glm::dvec3 up{0.0, 1.0, 0.0};  ///< Direction up in the picture; the floor is perpendicular to it.
   double fieldOfView = 30.0;     ///< Angle from the bottom to the top of the picture, in degrees.
-  bool cut = false;  ///< Whether to remove the half before the middle plane (Krayer & Müller 2019, Fig. 1).
+  /// Whether to remove the half before the middle plane, as in the paper's figure 1. The cut face shows the
+  /// distance inside.
+  bool cut = false;
   double shell =
       0.0;  ///< Thickness of the outer wall of a hollow shape, in the mesh's units; 0 = not hollow.
   /// Box that the camera frames instead of the shape, in the mesh's units. Pictures of a moving shape share

@@ -15,11 +15,13 @@ namespace raymap {
 
 /// How to prepare a mesh.
 struct SurfaceOptions {
-  /// `Harmonic`, or `None`: queries then do not tell inside from outside, and the surface takes less time and
-  /// memory.
+  /// Sign: `harmonic`, or `none`. Queries then do not tell inside from outside, and the surface takes less
+  /// time and memory.
   SignMode sign = SignMode::Harmonic;
-  Orientation orientation = Orientation::Auto;  ///< Whether faces that point the wrong way may be reversed.
-  double threshold = 0.5;                       ///< A point is inside if |winding number| exceeds this.
+  /// Whether faces that point the wrong way are reversed: `auto`, if the mesh then fits clearly better;
+  /// `keep`, never; `repair`, whenever it fits no worse.
+  Orientation orientation = Orientation::Auto;
+  double threshold = 0.5;  ///< A point is inside if |winding number| exceeds this.
   /// Whether to take 68 to 74 bytes per triangle less. The results are the same. Scattered points then take
   /// up to half more time, and narrow bands up to a tenth.
   bool compact = false;

@@ -13,9 +13,9 @@ struct Region {
 /// Which arrays a region has besides the distance, and where its distances are clamped.
 struct RegionOptions {
   double band = 0.0;        ///< Distances are clamped to this many samples; 0 = not clamped.
-  bool triangle = false;    ///< Whether to fill `Field::triangle`.
-  bool winding = false;     ///< Whether to fill `Field::winding`. Needs a sign.
-  bool confidence = false;  ///< Whether to fill `Field::confidence`. Needs a sign.
+  bool triangle = false;    ///< Whether to compute closest triangles.
+  bool winding = false;     ///< Whether to compute winding numbers. Needs a sign.
+  bool confidence = false;  ///< Whether to compute the confidence in the sign. Needs a sign.
 };
 
 }  // namespace raymap

@@ -20,10 +20,10 @@ inline constexpr size_t kMostRepairSamples = size_t{1} << 26;
 
 /// How to change a mesh beside closing it. Lengths are in the mesh's units.
 struct RepairOptions {
-  bool closeHoles =
-      true;             ///< Whether distances count the surface that closes holes; else they close in steps.
-  double offset = 0.0;  ///< Distance to move the surface outwards; negative: inwards.
-  double shell = 0.0;   ///< Thickness of the walls of a hollow solid; 0 = not hollow.
+  /// Whether to measure distances to the surface that closes holes, too; else holes close in steps.
+  bool closeHoles = true;
+  double offset = 0.0;  ///< Distance to move the surface outwards, in the mesh's units; negative: inwards.
+  double shell = 0.0;   ///< Thickness of the walls of a hollow solid, in the mesh's units; 0 = not hollow.
   /// Least thickness of walls, fins and sheets: what is thinner in the mesh becomes a plate this thick. At
   /// least two samples, or 0 = none: what samples miss is lost. Unset: 1.75 samples, the thinnest
   /// wall that the grid cannot miss. Material removed by a negative offset is not restored.
@@ -37,12 +37,14 @@ struct RepairOptions {
   /// of what the largest part encloses. A small part is kept if no other part covers that piece of the mesh.
   std::optional<double> dropSmaller = {};
   /// Height against `down` of a flat base that walls join the rim of the mesh to, as for a terrain. The mesh
-  /// must not reach below it. Unset: none.
+  /// must not reach below it. By default there is none.
   std::optional<double> base = {};
-  bool keepCavities = false;  ///< Whether sealed cavities stay; else they are filled, with all parts in them.
-  bool remesh = false;        ///< Whether to make all faces from the field even if some could be kept.
-  /// Largest deviation of the result from the isosurface, to have fewer faces; 0 = none. By default a tenth
-  /// of the distance between samples. Faces that could be kept are simplified only if it is given.
+  bool keepCavities =
+      false;            ///< Whether to keep sealed cavities; else they are filled, with all parts in them.
+  bool remesh = false;  ///< Whether to make all faces from the field even if some could be kept.
+  /// Largest deviation of the result from the isosurface, in the mesh's units, to have fewer faces; 0 = all
+  /// faces. By default a tenth of the distance between samples, or what `triangles` needs. Faces that could
+  /// be kept are simplified only if it is given.
   std::optional<double> tolerance = {};
   /// Most triangles of the result, 0 = no limit. The tolerance is then the least that was found to reach this
   /// number, and `tolerance` limits it. Faces that could be kept are simplified, too.

@@ -17,12 +17,13 @@ struct SamplePointsOptions {
   /// Standard deviations of the offsets of points near the surface, as shares of the bounding sphere's
   /// radius. Each gets as many points.
   std::vector<double> sigmas = {0.0025, 0.00025};
-  uint64_t seed = 0;       ///< Another seed gives other points.
-  bool normalize = false;  ///< Whether the bounding sphere becomes the unit sphere about 0.
+  uint64_t seed = 0;  ///< Another seed gives other points.
+  bool normalize =
+      false;  ///< Whether to move and scale all so that the bounding sphere becomes the unit sphere about 0.
   /// Length of the mesh that becomes 1, about the centre of its bounds, in place of the bounding sphere's
   /// radius; 0 = as `normalize` says.
   double unit = 0.0;
-  bool inCube = false;  ///< Whether the points all around lie in a cube instead of a ball.
+  bool inCube = false;  ///< Whether to choose the points all around from a cube instead of a ball.
   double reach = 0.0;   ///< Radius of that ball, half a side of that cube; 0 = the bounding sphere's radius.
 };
 

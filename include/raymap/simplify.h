@@ -15,6 +15,7 @@ struct SimplifyOptions {
   /// million, and 32 for each face.
   double step = 0.0;
   /// Most triangles of the result, 0 = no limit. The tolerance is then the least that was found to reach it.
+  /// A warning tells if the shape or `tolerance` does not allow so few.
   size_t triangles = 0;
 };
 

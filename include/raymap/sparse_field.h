@@ -18,10 +18,10 @@ namespace raymap {
 /// How wide a narrow band is, and which arrays it has besides the distance.
 struct BandOptions {
   double outside = 3.0;     ///< Width of the band outside of the surface, in samples.
-  double inside = 3.0;      ///< The same inside; infinite for the whole interior.
-  bool triangle = false;    ///< Whether to fill `SparseField::triangle`.
-  bool winding = false;     ///< Whether to fill `SparseField::winding`. Needs a sign.
-  bool confidence = false;  ///< Whether to fill `SparseField::confidence`. Needs a sign.
+  double inside = 3.0;      ///< Width of the band inside, in samples; infinite for the whole interior.
+  bool triangle = false;    ///< Whether to compute closest triangles.
+  bool winding = false;     ///< Whether to compute winding numbers. Needs a sign.
+  bool confidence = false;  ///< Whether to compute the confidence in the sign. Needs a sign.
 };
 
 /// A signed distance field near a surface alone: a narrow band. Leaves hold the values of 8 x 8 x 8 samples

@@ -6,16 +6,12 @@ import math
 import operator
 import os
 from collections.abc import Iterable
-from typing import TYPE_CHECKING, Any, get_args
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from ._errors import UsageError
-from ._records import FieldArray
-
-if TYPE_CHECKING:
-    from . import _raymap
 
 Vector = tuple[float, float, float]
 Whole3 = tuple[int, int, int]
@@ -144,14 +140,6 @@ def to_names(arrays: Iterable[str], known: Iterable[str]) -> set[str]:
     if unknown := names - set(known):
         raise UsageError(f"arrays: nothing is named {sorted(unknown)[0]!r}; there are {', '.join(known)}")
     return names
-
-
-def set_arrays(options: _raymap.FieldOptions | _raymap.BandOptions | _raymap.RegionOptions, arrays: Iterable[str]) -> None:
-    """Sets which arrays a field has besides the distance."""
-    names = to_names(arrays, get_args(FieldArray))
-    options.winding = "winding" in names
-    options.confidence = "confidence" in names
-    options.triangle = "triangle" in names
 
 
 def _numbers(name: str, given: Any, shape: tuple[int, ...], wanted: str) -> npt.NDArray[np.float64]:

@@ -6,7 +6,6 @@ import subprocess
 import sys
 
 from . import _raymap
-from ._arguments import to_text, to_threads, to_whole
 from ._errors import warn
 from ._progress import Progress, reporting
 from ._records import DeviceInfo, DeviceTest
@@ -59,13 +58,3 @@ def tested(device: str) -> str:
     text = f"the CPU is used instead of the GPU: the test of {gpu} did not pass; test it again to see why"
     warn("device_refused", text, {"device": gpu})
     return "cpu"
-
-
-def to_machine(device: str, threads: int | None, memory_limit: int | None = None) -> _raymap.MachineOptions:
-    """Returns what every long call takes."""
-    machine = _raymap.MachineOptions()
-    machine.device = tested(to_text("device", device))
-    machine.threads = to_threads(threads)
-    if memory_limit is not None:
-        machine.memory_limit = to_whole("memory_limit", memory_limit, least=1, most=2**64 - 1)
-    return machine

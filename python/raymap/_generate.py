@@ -11,16 +11,15 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _inputs, _raymap
-from ._arguments import FINITE, set_arrays, to_box, to_length, to_number, to_text, to_vector, to_whole, to_wholes
-from ._arrays import to_numpy
-from ._devices import to_machine
+from ._arguments import to_box, to_length, to_text, to_vector, to_whole, to_wholes
 from ._errors import InputError, UsageError
 from ._field import Field, field_of_core
 from ._frames import Normalization, frame_of, moved, to_normalization
 from ._mesh import Mesh, core_of
+from ._options import array_options, check_names, core_options
 from ._progress import Progress, reporting
 from ._records import DistanceMode, FieldArray, Orientation, Sampling, SignMode
-from ._sparse import Band, SparseField, sparse_of_core, sparse_options
+from ._sparse import Band, SparseField, band_options, sparse_of_core
 
 
 class SurfaceFieldOptions(TypedDict, total=False):
@@ -112,38 +111,39 @@ def generate(
             positions, (n, 3): NumPy, or any array with ``__dlpack__``.
         faces: Three vertex numbers per triangle, (m, 3), counter-clockwise seen from outside, if positions are given.
         resolution: Number of samples along the longest side of the grid. Without effect if ``voxel_size`` is given.
-        voxel_size: Distance between samples, in the mesh's units.
+        voxel_size: Distance between samples, in the mesh's units; None = from the resolution or ``shape``.
         bounds: Box to cover, ((x0, y0, z0), (x1, y1, z1)), in the mesh's units; None = the mesh's bounds, padded. Cubic
             cells fill it; samples are their centres, so the first lies half a spacing inside. Sides that are no
             multiple of the spacing grow at both ends.
-        padding: Padding of the mesh's bounds on every side, as a share of their longest side. Without effect if
-            ``bounds`` is given.
+        padding: Padding of the bounds on every side, as a share of their longest side; ignored with ``bounds``.
         shape: Number of samples (nx, ny, nz), for fields that can be stacked. Cubic cells about the centre of the box
             are as small as hold it; with ``voxel_size`` they have this size, and may cut the box. Without effect then:
             ``resolution``.
         cube: Whether the grid has ``resolution`` samples along every side: ``shape=(resolution,) * 3``.
         origin: Position of sample (0, 0, 0). It needs ``shape`` and ``voxel_size``, and with them says which samples
             there are, whatever ``bounds`` and ``padding`` say.
-        align: Whether sample (0, 0, 0) lies on multiples of 8 times the spacing, as OpenVDB's leaves do. Samples of all
-            such fields of one ``voxel_size`` coincide, so level sets of them can be combined. The grid then begins up
-            to 8 samples before the box. Not with ``shape`` or ``cube``.
+        align: Whether sample (0, 0, 0) lies on multiples of 8 spacings, as OpenVDB's leaves do. Samples of all such
+            grids of one spacing then coincide, and their level sets can be combined. Excludes ``shape``.
         normalize: Whether the mesh is first moved to 0 and scaled, by the centre of its bounds, so that all meshes have
             one size. ``"sphere"`` (or True): the ball about 0 that holds it has radius 1. ``"cube"``: its longest side
             reaches from -1 to 1. ``"unit"``: from -0.5 to 0.5. Lengths of the field and of all other arguments are then
             those of the scaled mesh. ``field.centre`` and ``field.scale`` say what was done, and
             ``field.denormalized()`` undoes it.
-        distance: Source of the magnitude: ``"exact"``, or the faster approximations ``"neighbours"``, ``"cell"`` and
-            ``"raster"``.
+        distance: Distance to the closest triangle: ``"exact"``, or the faster approximations ``"neighbours"``,
+            ``"cell"`` and ``"raster"``.
         sign: Method that decides inside and outside: ``"harmonic"``, ``"exact"``, ``"paths"``, ``"evolution"``,
-            ``"rays"``, ``"ray"``, or ``"none"`` for an unsigned field.
+            ``"rays"``, ``"ray"``, or ``"none"`` for distances without a sign.
         orientation: Whether faces that point the wrong way are reversed: ``"auto"``, if the field then fits clearly
             better; ``"keep"``, never; ``"repair"``, whenever it fits no worse.
-        passes: Number of passes of ``sign="paths"``, or of steps of ``"evolution"``.
-        sampling: Offset points of ``"paths"`` and ``"evolution"``: ``"raymap"``, or ``"paper"`` for those of the paper.
-        offsets: Offset points in place of those of ``sampling``, (n, 3) whole numbers of samples, used in turn.
-        threshold: A sample is inside if the magnitude of its winding number exceeds this.
-        invert: Whether inside is positive instead of negative.
-        close_holes: Whether distances count the surface that is missing in holes.
+        passes: Number of passes of the sign ``"paths"``, or of steps of ``"evolution"``.
+        sampling: Offset points of the signs ``"paths"`` and ``"evolution"``: ``"raymap"``, or ``"paper"`` for those of
+            the paper.
+        offsets: Offset points of ``"paths"`` and ``"evolution"`` in samples, used in turn, in place of those of
+            ``sampling``.
+        threshold: A point is inside if |winding number| exceeds this.
+        invert: Whether to make inside positive and outside negative.
+        close_holes: Whether to measure distances to the surface that is missing in holes, too. Without it, holes are
+            closed in steps as large as samples.
         thickness: Thickness of a wall around the surface, in the mesh's units, in place of the sign: for sheets that
             enclose nothing. Half of it pads the mesh's bounds besides.
         band: Number of samples at which distances are clamped; None = not clamped. With ``sparse=True`` also two
@@ -151,12 +151,13 @@ def generate(
         truncation: Distance at which distances are clamped, in place of ``band``. ``field.tsdf()`` divides by it.
         arrays: Names of the arrays to make: ``"winding"``, ``"confidence"`` and ``"triangle"`` beside ``"distance"``,
             which every field has.
-        allow_empty: Whether the mesh may have no faces. Its field on the grid of ``bounds`` is far everywhere: at the
-            ``band``, or at the largest float32.
-        device: Device that computes: ``"cpu"``, ``"vulkan"``, ``"vulkan:K"``, or ``"auto"``, a GPU if there is a real
-            one, else the CPU; see ``raymap.devices``.
+        allow_empty: Whether to accept a mesh without triangles. All samples are then outside and as far as numbers go:
+            at the ``band``, or at the largest float without one. They have no triangle, winding number 0 and confidence
+            1.
+        device: Device that computes: ``"cpu"``; ``"vulkan:K"``, the Kth Vulkan device; ``"vulkan"``, the best of them,
+            which may be a software rasterizer; ``"auto"``, a real GPU if one is usable, else the CPU.
         threads: Number of CPU threads; None = ``raymap.get_threads()``.
-        memory_limit: Most bytes that the work and the field may take; None = what is available.
+        memory_limit: Most bytes that the call and its result may hold; None = what is available.
         progress: A callable that receives the name of a stage and the share of it that is done, 0 to 1, about ten
             times a second. It cancels by returning False or by raising. True shows a bar in a notebook,
             a moving line on a terminal, else a line a minute on stderr; ``"plain"`` does the last anywhere, and ``"json"``
@@ -183,35 +184,8 @@ def generate(
     >>> raymap.generate("tetrahedron.ply", resolution=32, cube=True, normalize="cube").shape
     (32, 32, 32)
     """
-    options = FieldOptions(
-        resolution=resolution,
-        voxel_size=voxel_size,
-        bounds=bounds,
-        padding=padding,
-        shape=shape,
-        cube=cube,
-        origin=origin,
-        align=align,
-        normalize=normalize,
-        distance=distance,
-        sign=sign,
-        orientation=orientation,
-        passes=passes,
-        sampling=sampling,
-        offsets=offsets,
-        threshold=threshold,
-        invert=invert,
-        close_holes=close_holes,
-        thickness=thickness,
-        band=band,
-        truncation=truncation,
-        arrays=arrays,
-        allow_empty=allow_empty,
-        device=device,
-        threads=threads,
-        memory_limit=memory_limit,
-        progress=progress,
-    )
+    given = locals()
+    options: FieldOptions = {name: given[name] for name in FieldOptions.__annotations__}  # type: ignore[assignment]
     if sparse:
         return _generate_sparse(_inputs.to_mesh(mesh_or_vertices, faces), options)
     return Generator().generate(mesh_or_vertices, faces, **options)
@@ -223,14 +197,10 @@ def _generate_sparse(mesh: Mesh, options: FieldOptions) -> SparseField:
     grid = fit_grid(partial(_raymap.fit_grid, core), options)
     options = with_band(options, grid)
     core_options = to_options(options, options.get("orientation", "auto"), sparse=True)
-    band_options = sparse_options(options, core_options)
-    surface_options = _raymap.SurfaceOptions()
-    surface_options.sign, surface_options.threshold = core_options.sign != "none", core_options.threshold
-    surface_options.compact = _raymap.is_compact_better(grid, len(mesh.faces))
-    machine = to_machine("cpu", options.get("threads"), options.get("memory_limit"))
+    core_options.set("compact", _raymap.is_compact_better(grid, len(mesh.faces)))
     with reporting(options.get("progress")) as report:
-        surface = _raymap.Surface(core, surface_options, core_options.orientation, machine, report)
-        return sparse_of_core(surface.generate_sparse(grid, band_options, machine, report), frame)
+        surface = _raymap.Surface(core, core_options, report)
+        return sparse_of_core(surface.generate_sparse(grid, core_options, report), frame)
 
 
 class Generator:
@@ -263,10 +233,8 @@ class Generator:
         grid = fit_grid(partial(_raymap.fit_grid, mesh), options)
         options = with_band(options, grid)
         core_options = to_options(options, options.get("orientation", "auto"), sparse=False)
-        core_options.allow_empty = bool(options.get("allow_empty", False))
-        machine = to_machine(options.get("device", "auto"), options.get("threads"), options.get("memory_limit"))
         with reporting(options.get("progress")) as report:
-            return field_of_core(self._core.generate(mesh, grid, core_options, machine, report), frame)
+            return field_of_core(self._core.generate(mesh, grid, core_options, report), frame)
 
 
 def _to_mesh(mesh_or_vertices: Any, faces: Any, options: FieldOptions) -> Mesh:
@@ -281,34 +249,20 @@ def _to_mesh(mesh_or_vertices: Any, faces: Any, options: FieldOptions) -> Mesh:
     return mesh
 
 
-def check_names(function: str, given: SurfaceFieldOptions, known: type) -> None:
-    """Refuses unknown names of arguments."""
-    if unknown := given.keys() - known.__annotations__.keys():
-        raise TypeError(f"{function}() got an unexpected keyword argument {sorted(unknown)[0]!r}")
-
-
 def fit_grid(fit: Callable[..., _raymap.Grid], options: SurfaceFieldOptions) -> _raymap.Grid:
     """Returns the grid that the options ask for, fitted by a function of the extension module."""
-    voxel_size = options.get("voxel_size")
-    size = 0.0 if voxel_size is None else to_length("voxel_size", voxel_size)
-    box = None
-    if (bounds := options.get("bounds")) is not None:
-        box = to_box("bounds", bounds)
-        if any(low == high for low, high in zip(*box)):
-            raise UsageError("bounds: each of x0, y0, z0 must be less than its x1, y1, z1")
-    thickness = options.get("thickness")
-    wall = 0.0 if thickness is None else to_length("thickness", thickness)
-    padding = to_number("padding", options.get("padding", 0.1), least=0.0, most=FINITE)
-    resolution = to_whole("resolution", options.get("resolution", 128), least=1)
-    shape = _to_shape(options, resolution)
+    shape = _to_shape(options, to_whole("resolution", options.get("resolution", 128), least=1))
+    names = ("resolution", "voxel_size", "bounds", "padding", "thickness", "align")
+    core = core_options({name: value for name, value in options.items() if name in names}, shape=shape)
+    if (bounds := options.get("bounds")) is not None and any(low == high for low, high in zip(*to_box("bounds", bounds))):
+        raise UsageError("bounds: each of x0, y0, z0 must be less than its x1, y1, z1")
     if (origin := options.get("origin")) is not None:
-        if shape is None or size == 0.0:
+        if shape is None or (voxel_size := options.get("voxel_size")) is None:
             raise UsageError("origin needs shape and voxel_size beside it; or say the box by bounds")
-        return _raymap.Grid(shape, to_vector("origin", origin), size)
-    align = bool(options.get("align", False))
-    if align and shape is not None:
+        return _raymap.Grid(shape, to_vector("origin", origin), voxel_size)
+    if options.get("align") and shape is not None:
         raise UsageError("align says where samples lie, as shape and cube do; leave one of them out")
-    return fit(resolution, size, shape, box, padding, wall, align)
+    return fit(core)
 
 
 def _to_shape(options: SurfaceFieldOptions, resolution: int) -> tuple[int, int, int] | None:
@@ -337,43 +291,25 @@ def with_band(options: _Options, grid: _raymap.Grid) -> _Options:
     return {**options, "band": to_length("truncation", truncation) / grid.spacing, "truncation": None}  # type: ignore[return-value]
 
 
-def to_options(given: SurfaceFieldOptions, orientation: Orientation, *, sparse: bool) -> _raymap.FieldOptions:
-    """Returns the options as the extension module takes them; those of a narrow band without its widths."""
-    options = _raymap.FieldOptions()
-    options.distance = to_text("distance", given.get("distance", "exact"))
-    options.sign = to_text("sign", given.get("sign", "harmonic"))
-    options.orientation = to_text("orientation", orientation)
-    options.passes = to_whole("passes", given.get("passes", 5))
-    options.sampling = to_text("sampling", given.get("sampling", "raymap"))
-    options.set_offsets(_to_offsets(given.get("offsets")))
-    options.threshold = to_number("threshold", given.get("threshold", 0.5), least=0.0, most=FINITE)
-    options.invert = bool(given.get("invert", False))
-    options.close_holes = bool(given.get("close_holes", False))
-    _set_thickness(options, given.get("thickness"))
-    if not sparse and (band := given.get("band")) is not None:
+def to_options(given: SurfaceFieldOptions, orientation: Orientation, *, sparse: bool) -> _raymap.Options:
+    """Returns the options of a field, or of a narrow band, as the extension module takes them."""
+    options: dict[str, Any] = {name: value for name, value in given.items() if name not in _OWN}
+    sign, band = to_text("sign", given.get("sign", "harmonic")), given.get("band")
+    if given.get("thickness") is not None:
+        if sign not in ("harmonic", "none"):
+            raise UsageError("thickness takes the place of sign; leave one of them out")
+        sign = "none"
+    if sparse:
+        options |= band_options(given, sign) | {"device": "cpu"}
+    elif band is not None:
         if np.ndim(band) > 0:
             raise UsageError("band must be one number; with sparse=True, it may be two: (inside, outside)")
-        options.band = to_length("band", band)
-    set_arrays(options, given.get("arrays", ("distance",)))
-    if options.sign == "none" and (options.winding or options.confidence):
+        options["band"] = to_length("band", band)
+    options |= {"sign": sign, "orientation": orientation} | array_options(given.get("arrays", ("distance",)))
+    if sign == "none" and options.keys() & {"winding", "confidence"}:
         raise UsageError("winding and confidence need a sign; leave out sign='none' and thickness")
-    return options
+    return core_options({"device": "auto"} | options)
 
 
-def _to_offsets(offsets: npt.ArrayLike | None) -> list[tuple[int, int, int]]:
-    if offsets is None:
-        return []
-    array = to_numpy("offsets", offsets)
-    if array.ndim != 2 or array.shape[1] != 3 or array.shape[0] == 0 or array.dtype.kind not in "iu":
-        raise UsageError(f"offsets must be (n, 3) whole numbers, not {array.dtype} of the shape {array.shape}")
-    if np.abs(array.astype(np.float64)).max() >= 2**31:
-        raise UsageError("offsets must be whole numbers of 32 bits")
-    return [(x, y, z) for x, y, z in array.tolist()]
-
-
-def _set_thickness(options: _raymap.FieldOptions, thickness: float | None) -> None:
-    if thickness is None:
-        return
-    if options.sign not in ("harmonic", "none"):
-        raise UsageError("thickness takes the place of sign; leave one of them out")
-    options.sign, options.thickness = "none", to_length("thickness", thickness)
+# Arguments that have another form in the library, or none.
+_OWN = {"arrays", "band", "cube", "normalize", "origin", "progress", "shape", "truncation"}

@@ -9,13 +9,13 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _arrays, _html, _inputs, _raymap
-from ._arguments import FINITE, to_box, to_number, to_path, to_plane, to_text, to_threads, to_vector, to_whole
+from ._arguments import to_path, to_text, to_threads, to_whole
 from ._arrays import Points, SampleOptions, Singles
-from ._devices import to_machine
 from ._errors import UsageError
 from ._frames import Frame
 from ._mesh import Mesh, core_of, mesh_of_core
-from ._pictures import ViewOptions, to_view
+from ._options import check_names, core_options
+from ._pictures import ViewOptions
 from ._progress import Progress, reporting
 from ._records import Comparison, FieldArray
 
@@ -212,7 +212,7 @@ class GridField:
                [ 1.1,  1.1,  1.1]])
         """
         with reporting(progress) as report:
-            return mesh_of_core(_raymap.isosurface(self._core, to_number("iso", iso), to_threads(threads), report))
+            return mesh_of_core(_raymap.isosurface(self._core, core_options(iso=iso, threads=threads), report))
 
     def slice(
         self,
@@ -278,21 +278,23 @@ class GridField:
         between ``-inside`` and ``outside``, and ``shell`` is less than ``inside``.
 
         Args:
-            width: Width in pixels.
-            height: Height in pixels.
-            direction: Direction from the camera to the shape.
-            up: Direction up in the picture.
+            width: Width of the picture, in pixels.
+            height: Height of the picture, in pixels.
+            direction: Direction from the camera to the centre of the shape.
+            up: Direction up in the picture; the floor is perpendicular to it.
             field_of_view: Angle from the bottom to the top of the picture, in degrees.
-            cut: Whether to remove the half nearer to the camera. The cut face shows the distance inside.
-            shell: Thickness of the wall of a hollow shape, in the mesh's units; 0 = not hollow.
-            eye: Place of the camera, in the mesh's units; None = where the shape fills the picture.
+            cut: Whether to remove the half before the middle plane, as in the paper's figure 1. The cut face shows the
+                distance inside.
+            shell: Thickness of the outer wall of a hollow shape, in the mesh's units; 0 = not hollow.
+            eye: Place of the camera, in the mesh's units, instead of one from which the shape fills the picture.
             iso: Distance at which the surface lies, in the mesh's units.
             cut_plane: Plane of a cut, instead of the middle one, as (nx, ny, nz, offset): all points p with dot(n, p) =
                 offset. What lies on the side of the normal is removed.
             slice_plane: Plane on which distances are drawn in the colours and with the lines of ``slice``.
             frame: Box that the camera frames instead of the shape, ((x0, y0, z0), (x1, y1, z1)). Pictures of a moving
                 shape share one, so that the camera stands still.
-            device: Device that draws; see ``raymap.devices``.
+            device: Device that computes: ``"cpu"``; ``"vulkan:K"``, the Kth Vulkan device; ``"vulkan"``, the best of
+                them, which may be a software rasterizer; ``"auto"``, a real GPU if one is usable, else the CPU.
             threads: Number of CPU threads; None = ``raymap.get_threads()``.
             progress: A callable that receives a stage and its share, 0 to 1; True to show it.
 
@@ -308,18 +310,9 @@ class GridField:
         >>> field.render(width=64, height=48, eye=(3, 1, 2), direction=(-3, -1, -2), cut_plane=(0, 0, 1, 0.4)).shape
         (48, 64, 3)
         """
-        view = to_view(width, height, direction, up, field_of_view, cut, shell)
-        view.iso = to_number("iso", iso, least=-FINITE, most=FINITE)
-        if eye is not None:
-            view.stand_at(to_vector("eye", eye))
-        if cut_plane is not None:
-            view.cut_at(*to_plane("cut_plane", cut_plane))
-        if slice_plane is not None:
-            view.slice_at(*to_plane("slice_plane", slice_plane))
-        if frame is not None:
-            view.frame_box(*to_box("frame", frame))
+        given = {name: value for name, value in locals().items() if name not in ("self", "progress")}
         with reporting(progress) as report:
-            return _raymap.render_field(self._core, view, to_machine(device, threads), report)
+            return _raymap.render_field(self._core, core_options(given), report)
 
     @overload
     def to_html(self, path: None = None, **options: Unpack[PageOptions]) -> str: ...
@@ -398,19 +391,17 @@ class GridField:
         progress: Progress = None,
         **view: Unpack[ViewOptions],
     ) -> str:
-        look = to_view(**view)
-        page = _raymap.PageOptions()
-        page.title, page.other_title = to_text("title", name if title is None else title), to_text("other_title", other_title)
-        page.max_size = to_whole("max_size", max_size)
-        chosen = to_text("array", array)
+        check_names("to_html", view, ViewOptions)
         faulty = None
         if mesh is not None:
             faulty = core_of(_inputs.to_mesh(*mesh) if isinstance(mesh, tuple) else _inputs.to_mesh(mesh))
-        if other is not None:
-            page.compare(_core_of(other))
+        page = {"title": name if title is None else title, "other_title": other_title, "array": array, "max_size": max_size}
+        compared = None if other is None else _core_of(other)
+        dense = compared if isinstance(compared, _raymap.Field) else None
+        band = compared if isinstance(compared, _raymap.SparseField) else None
         with reporting(progress) as report:
-            machine = to_machine(device, threads)
-            return _raymap.make_page(self._core, look, page, chosen, faulty, machine, report)
+            options = core_options({**view, **page, "device": device, "threads": threads})
+            return _raymap.make_page(self._core, options, faulty, dense, band, report)
 
     def __repr__(self) -> str:
         return self._text()

@@ -8,12 +8,10 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _inputs, _raymap, _views
-from ._arguments import FINITE, to_length, to_number, to_text, to_vector, to_whole
-from ._devices import to_machine
 from ._errors import UsageError
 from ._field import Field
 from ._mesh import Mesh, core_of, mesh_of_core
-from ._pictures import to_view
+from ._options import core_options
 from ._progress import Progress, reporting
 from ._records import Diagnostics, Inspection, Orientation, RepairReport, SimplifyReport, Verdict
 
@@ -95,15 +93,12 @@ def render_defects(
     (48, 64, 3)
     """
     mesh = core_of(_inputs.to_mesh(mesh_or_vertices, faces))
-    return _raymap.render_defects(mesh, to_view(width, height, direction, up, field_of_view))
+    return _raymap.render_defects(mesh, core_options(width=width, height=height, direction=direction, up=up, field_of_view=field_of_view))
 
 
-def _to_most_triangles(triangles: int | None, tolerance: float | None) -> int:
-    if triangles is None:
-        return 0
-    if tolerance == 0:
+def _check_triangles(triangles: int | None, tolerance: float | None) -> None:
+    if triangles is not None and tolerance == 0:
         raise UsageError("a tolerance of 0 keeps all triangles, so their number cannot be limited; leave one of both out")
-    return to_whole("triangles", triangles, least=1)
 
 
 @_views.shown
@@ -134,11 +129,11 @@ def simplify(
         faces: Three vertex numbers per triangle, (m, 3), if positions are given.
         tolerance: Largest distance of points of either mesh to the other, in the mesh's units; 0 keeps the mesh.
             None = what ``triangles`` needs. One of the two must be given.
-        triangles: Most triangles of the result, with the least tolerance that was found to reach it. A warning
-            tells if the shape or ``tolerance`` does not allow so few.
-        step: Distance between these points, in the mesh's units; None = ten times the tolerance, or with ``triangles``
-            a quarter of the mean edge of so many, at least the mesh's own mean edge. It is enlarged until all points are
-            at most about a million, and 32 for each face.
+        triangles: Most triangles of the result, None = no limit. The tolerance is then the least that was found to
+            reach it. A warning tells if the shape or ``tolerance`` does not allow so few.
+        step: Distance between these points; None = ten times the tolerance, or a quarter of the mean edge of
+            ``triangles``, at least the mesh's own mean edge. It is enlarged until all points are at most about a
+            million, and 32 for each face.
         threads: Number of CPU threads; None = ``raymap.get_threads()``.
         progress: A callable that receives a stage and its share, 0 to 1; True to show it.
 
@@ -155,12 +150,11 @@ def simplify(
     """
     if tolerance is None and triangles is None:
         raise UsageError("simplify needs a tolerance, a number of triangles, or both")
-    within = 0.0 if tolerance is None else to_number("tolerance", tolerance, least=0.0, most=FINITE)
-    most = _to_most_triangles(triangles, tolerance)
-    apart = 0.0 if step is None else to_length("step", step)
+    _check_triangles(triangles, tolerance)
+    options = core_options(tolerance=tolerance, triangles=triangles, step=step, threads=threads)
     mesh = core_of(_inputs.to_mesh(mesh_or_vertices, faces))
     with reporting(progress) as report:
-        result, found = _raymap.simplify(mesh, within, apart, most, to_machine("cpu", threads), report)
+        result, found = _raymap.simplify(mesh, options, report)
     return Simplified(mesh_of_core(result), found)  # type: ignore[arg-type]
 
 
@@ -207,32 +201,34 @@ def repair(
         faces: Three vertex numbers per triangle, (m, 3), if positions are given.
         resolution: Number of samples along the longest side. Without effect if ``voxel_size`` is given. If
             neither is: 256, but more where the thinnest part needs more, up to 67 million samples in all.
-        voxel_size: Distance between samples, in the mesh's units.
+        voxel_size: Distance between samples, in the mesh's units; None = from the resolution or ``shape``.
         orientation: Whether faces that point the wrong way are reversed: ``"auto"``, ``"keep"`` or ``"repair"``.
-        close_holes: Whether distances count the surface that closes holes. Without it, holes are closed in steps.
+        close_holes: Whether to measure distances to the surface that closes holes, too; else holes close in steps.
         offset: Distance to move the surface outwards, in the mesh's units; negative: inwards.
         shell: Thickness of the walls of a hollow solid, in the mesh's units; 0 = not hollow.
         drain_hole: Diameter of the drain holes; 0 = none.
         drain_holes: Number of drain holes of each hollow: down from its lowest point, then as a vent up from its
             highest one, then down from level floors as far from the others as there are.
-        min_thickness: Thickness of the plates that take the place of thinner walls, fins and sheets, in the mesh's
-            units; at least two samples. None: 1.75 samples, the thinnest wall that the grid cannot miss. 0: no plates, and
-            what the samples miss is lost.
-        down: Direction of the drain holes.
+        min_thickness: Least thickness of walls, fins and sheets: what is thinner in the mesh becomes a plate this
+            thick. At least two samples, or 0 = none: what samples miss is lost. None: 1.75 samples, the thinnest wall
+            that the grid cannot miss. Material removed by a negative offset is not restored.
+        down: Direction of the drain holes; any length but 0.
         drop_smaller: Volume in the mesh's units cubed. Parts of the result that enclose less are dropped. None: a
-            thousandth of what the largest part encloses, but none that shows surface that no other part shows.
-        keep_cavities: Whether sealed cavities stay; else they are filled, with all parts in them.
+            thousandth of what the largest part encloses. A small part is kept if no other part covers that piece of the
+            mesh.
+        keep_cavities: Whether to keep sealed cavities; else they are filled, with all parts in them.
         base: Height against ``down`` of a flat base that walls join the rim of the mesh to, as for a terrain. The mesh
-            must not reach below it. None: no base.
-        remesh: Whether to make all faces from the field, even if those of the mesh could be kept.
-        tolerance: Largest deviation of the result from the isosurface, in the mesh's units, to have fewer
-            triangles; None = a tenth of the distance between samples, or what ``triangles`` needs; 0 = all triangles.
-            Faces that could be kept are simplified only if it is given.
-        triangles: Most triangles of the result, with the least tolerance that was found to reach it. Faces that could be
-            kept are simplified, too.
-        device: Device that computes; see ``raymap.devices``.
+            must not reach below it. By default there is none.
+        remesh: Whether to make all faces from the field even if some could be kept.
+        tolerance: Largest deviation of the result from the isosurface, in the mesh's units, to have fewer faces; 0 =
+            all faces. By default a tenth of the distance between samples, or what ``triangles`` needs. Faces that could
+            be kept are simplified only if it is given.
+        triangles: Most triangles of the result, None = no limit. The tolerance is then the least that was found to
+            reach this number, and ``tolerance`` limits it. Faces that could be kept are simplified, too.
+        device: Device that computes: ``"cpu"``; ``"vulkan:K"``, the Kth Vulkan device; ``"vulkan"``, the best of them,
+            which may be a software rasterizer; ``"auto"``, a real GPU if one is usable, else the CPU.
         threads: Number of CPU threads; None = ``raymap.get_threads()``.
-        memory_limit: Most bytes that the field may take; None = what is available.
+        memory_limit: Most bytes that the call and its result may hold; None = what is available.
         progress: A callable that receives a stage and its share, 0 to 1; True to show it.
 
     Raises:
@@ -244,27 +240,12 @@ def repair(
     >>> report["after"]["watertight"], report["after"]["boundary_edges"]
     (True, 0)
     """
+    given = {name: value for name, value in locals().items() if name not in ("mesh_or_vertices", "faces", "progress")}
     mesh = core_of(_inputs.to_mesh(mesh_or_vertices, faces))
-    size = None if resolution is None else to_whole("resolution", resolution, least=1), 0.0 if voxel_size is None else to_length("voxel_size", voxel_size)
-    options = _raymap.FieldOptions()
-    options.orientation = to_text("orientation", orientation)
-    machine = to_machine(device, threads, memory_limit)
-    how = _raymap.RepairOptions()
-    how.close_holes = bool(close_holes)
-    how.offset = to_number("offset", offset, least=-FINITE, most=FINITE)
-    how.shell = to_number("shell", shell, least=0.0, most=FINITE)
-    how.drain_hole = to_number("drain_hole", drain_hole, least=0.0, most=FINITE)
-    how.drain_holes, how.down = to_whole("drain_holes", drain_holes), to_vector("down", down)
-    how.drop_smaller = None if drop_smaller is None else to_number("drop_smaller", drop_smaller, least=0.0)
-    how.base = None if base is None else to_number("base", base, least=-FINITE, most=FINITE)
-    how.keep_cavities, how.remesh = bool(keep_cavities), bool(remesh)
-    if min_thickness is not None:
-        how.min_thickness = to_number("min_thickness", min_thickness, least=0.0, most=FINITE)
-    if tolerance is not None:
-        how.tolerance = to_number("tolerance", tolerance, least=0.0, most=FINITE)
-    how.triangles = _to_most_triangles(triangles, tolerance)
+    _check_triangles(triangles, tolerance)
+    options = core_options(given)
     with reporting(progress) as report:
-        result, found = _raymap.repair(mesh, *size, options, how, machine, report)
+        result, found = _raymap.repair(mesh, options, report)
     return Repaired(mesh_of_core(result), found)  # type: ignore[arg-type]
 
 

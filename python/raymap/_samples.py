@@ -13,9 +13,9 @@ import numpy.typing as npt
 
 from . import _inputs, _raymap, _views
 from ._arguments import FINITE, to_names, to_number, to_path, to_threads, to_vector, to_whole
-from ._devices import to_machine
 from ._errors import UsageError
 from ._frames import Frame, Normalization, frame_of, to_normalization
+from ._options import core_options
 from ._progress import Progress, reporting
 from ._surface import Surface, core_of_surface
 
@@ -43,13 +43,17 @@ class Mixture:
     margin: float = 1.0
     """Factor by which the normalized mesh is smaller than ``normalization`` says."""
 
-    def options(self, count: int, seed: int) -> _raymap.SamplePointsOptions:
+    def options(self, count: int, seed: int) -> dict[str, Any]:
         """Returns the options of a mesh whose lengths do not matter."""
-        options = _raymap.SamplePointsOptions()
-        options.count, options.seed, options.near, options.surface = count, seed, self.near, self.surface
-        options.sigmas, options.normalize = list(self.sigmas), self.normalization == "sphere"
-        options.in_cube = self.region == "cube"
-        return options
+        return {
+            "count": count,
+            "seed": seed,
+            "near_share": self.near,
+            "surface_share": self.surface,
+            "sigmas": self.sigmas,
+            "normalize": self.normalization == "sphere",
+            "in_cube": self.region == "cube",
+        }
 
     def counts(self, count: int) -> list[int]:
         """Returns the number of points on the surface, near it with each deviation, and all around.
@@ -57,7 +61,7 @@ class Mixture:
         Raises:
             UsageError: Shares that make no sense.
         """
-        return _raymap.sample_point_counts(self.options(count, 0))
+        return _raymap.sample_point_counts(core_options(self.options(count, 0)))
 
     def lengths(self, surface: Surface) -> tuple[float, float]:
         """Returns the length of the mesh that becomes 1, and that from the centre to the region's end; 0 = the default."""
@@ -233,12 +237,10 @@ def choose(
     progress: Progress = None,
 ) -> Samples:
     """Chooses points. ``lengths`` are those of the mixture and the surface."""
-    options = mixture.options(count, seed)
-    options.unit, options.reach = lengths
+    unit, reach = lengths
+    options = core_options(mixture.options(count, seed), unit=unit, reach=reach, threads=threads)
     with reporting(progress) as report:
-        points, distance, gradient, centre, scale = _raymap.sample_points(
-            core_of_surface(surface), options, to_machine("cpu", threads), report
-        )
+        points, distance, gradient, centre, scale = _raymap.sample_points(core_of_surface(surface), options, report)
     return Samples(points, distance, gradient, np.array(centre), scale)
 
 

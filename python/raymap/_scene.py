@@ -9,10 +9,10 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _arrays, _raymap, _views
-from ._arguments import to_names, to_number, to_text
-from ._devices import to_machine
+from ._arguments import to_names, to_text
 from ._errors import InputError
 from ._field import Field, core_of_field
+from ._options import core_options
 from ._progress import Progress, reporting
 from ._sparse import SparseField, core_of_sparse
 from ._surface import Surface, core_of_surface
@@ -219,22 +219,17 @@ class Scene:
                [0., 0., 1.]]))
         """
         names = to_names(arrays, SceneQuery._fields)
-        options = _raymap.SceneOptions()
-        for name in SceneQuery._fields:
-            setattr(options, name, name in names)
-        if max_distance is not None:
-            options.max_distance = to_number("max_distance", max_distance, above=0.0)
+        options = core_options(max_distance=max_distance, threads=threads)
         numbers = [self._core.number(name) for name in ([without] if isinstance(without, str) else without)]
         flat, shape = _arrays.to_points(_arrays.still(points) if names <= {"body", "triangle"} else points)
-        machine = to_machine("cpu", threads)
         if poses is None:
             with reporting(progress) as report:
-                found = self._core.query(flat, options, numbers, machine, report)
+                found = self._core.query(flat, names, numbers, options, report)
             leading = shape[:-1]
         else:
             rows, own, leading = self._configurations(poses, shape)
             with reporting(progress) as report:
-                found = self._core.query_many(flat, rows.reshape(-1, 4, 4), len(rows), own, options, numbers, machine, report)
+                found = self._core.query_many(flat, rows.reshape(-1, 4, 4), len(rows), own, names, numbers, options, report)
 
         def result(name: str) -> Any:
             array = _arrays.as_precise(found[name], points)

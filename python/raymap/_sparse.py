@@ -10,12 +10,12 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _raymap, _views
-from ._arguments import set_arrays, to_box, to_length, to_number, to_path, to_text, to_vector
-from ._devices import to_machine
+from ._arguments import to_box, to_length, to_number, to_path, to_text, to_vector
 from ._errors import UsageError
 from ._field import Field, core_of_field, field_of_core
 from ._frames import IDENTITY, Frame
 from ._grid_field import GridField
+from ._options import array_options, core_options
 from ._records import FieldArray
 
 #: Width of a band in samples: on both sides of the surface, or inside and outside; None = 3.
@@ -109,9 +109,10 @@ class SparseField(GridField):
         >>> raymap.SparseField.from_dense(raymap.generate("ball.ply", resolution=64), band=3)
         raymap.SparseField(64 x 64 x 64 samples, 304 leaves, spacing 0.0375, arrays distance)
         """
-        options = _band_options(band, field.arrays)
-        machine = to_machine("cpu", threads, memory_limit)
-        core = _raymap.to_sparse(core_of_field(field), options, machine)
+        options = core_options(
+            _widths(band), **array_options(field.arrays), threads=threads, memory_limit=memory_limit
+        )
+        core = _raymap.to_sparse(core_of_field(field), options)
         return sparse_of_core(core, Frame(field.centre, field.scale))
 
     @property
@@ -170,7 +171,7 @@ class SparseField(GridField):
         >>> raymap.generate("ball.ply", resolution=64, sparse=True).to_dense()
         raymap.Field(64 x 64 x 64 samples, spacing 0.0375, arrays distance)
         """
-        return field_of_core(self._core.to_dense(to_machine("cpu", threads, memory_limit)), self._frame)
+        return field_of_core(self._core.to_dense(core_options(threads=threads, memory_limit=memory_limit)), self._frame)
 
     def denormalized(self) -> SparseField:
         """Returns the narrow band in the mesh's units and place: undoes ``normalize``, as ``Field.denormalized`` does.
@@ -243,30 +244,28 @@ def sparse_of_core(core: _raymap.SparseField, frame: Frame = IDENTITY) -> Sparse
     return made
 
 
-def sparse_options(given: Mapping[str, Any], options: _raymap.FieldOptions) -> _raymap.BandOptions:
-    """Returns the options of a narrow band. Refuses what it cannot honour of the arguments of ``raymap.generate``."""
+def band_options(given: Mapping[str, Any], sign: str) -> dict[str, float]:
+    """Returns the widths of a narrow band. Refuses what it cannot honour of the arguments of ``raymap.generate``."""
     for name, default in _DENSE_ONLY.items():
         value = given.get(name)
         if value is not None and (default is None or value != default):
             raise UsageError(f"sparse=True makes a narrow band, which has no {name}; leave out one of the two")
-    if options.sign not in ("harmonic", "none"):
-        raise UsageError(f"sparse=True needs the sign 'harmonic' or 'none', not {options.sign!r}")
+    if sign not in ("harmonic", "none"):
+        raise UsageError(f"sparse=True needs the sign 'harmonic' or 'none', not {sign!r}")
     if given.get("device", "auto") not in ("auto", "cpu"):
         raise UsageError(f"sparse=True makes the field on the CPU, not on {given.get('device')!r}")
-    return _band_options(given.get("band"), given.get("arrays", ()))
+    return _widths(given.get("band"))
 
 
-def _band_options(band: Any, arrays: Iterable[str]) -> _raymap.BandOptions:
-    options = _raymap.BandOptions()
-    if isinstance(band, (tuple, list)) or np.ndim(band) > 0:
-        if len(band) != 2:
-            raise UsageError(f"band must be a number, or two numbers (inside, outside), not {len(band)} numbers")
-        options.inside = to_number("band: the number inside", band[0], above=0.0)
-        options.outside = to_length("band: the number outside", band[1])
-    elif band is not None:
-        options.inside = options.outside = to_length("band", band)
-    set_arrays(options, arrays)
-    return options
+def _widths(band: Any) -> dict[str, float]:
+    if band is None:
+        return {}
+    if not (isinstance(band, (tuple, list)) or np.ndim(band) > 0):
+        return dict.fromkeys(("inside", "outside"), to_length("band", band))
+    if len(band) != 2:
+        raise UsageError(f"band must be a number, or two numbers (inside, outside), not {len(band)} numbers")
+    inside = to_number("band: the number inside", band[0], above=0.0)
+    return {"inside": inside, "outside": to_length("band: the number outside", band[1])}
 
 
 def _restore(

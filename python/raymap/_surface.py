@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterable
 from typing import Any, Generic, Literal, NamedTuple, TypeAlias, TypedDict, TypeVar, Unpack, get_args, overload
 
@@ -10,16 +9,16 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _arrays, _inputs, _raymap, _views
-from ._arguments import Vector, Whole3, set_arrays, to_length, to_names, to_number, to_vector, to_wholes
+from ._arguments import Vector, Whole3, to_length, to_names, to_number, to_vector, to_wholes
 from ._arrays import Doubles, Indices, Points, Singles
-from ._devices import to_machine
 from ._errors import InputError, UsageError
 from ._field import Field, field_of_core
-from ._generate import SurfaceFieldOptions, check_names, fit_grid, to_options, with_band
+from ._generate import SurfaceFieldOptions, fit_grid, to_options, with_band
 from ._mesh import Mesh, core_of, mesh_of_arrays
+from ._options import array_options, check_names, core_options
 from ._progress import Progress, reporting
 from ._records import FieldArray, Orientation, Part, Stats, ThicknessSummary
-from ._sparse import SparseField, sparse_of_core, sparse_options
+from ._sparse import SparseField, sparse_of_core
 
 #: Name of what ``Surface.query`` can compute.
 QueryArray: TypeAlias = Literal[
@@ -139,10 +138,10 @@ class Surface:
         sign: Whether to tell inside from outside. Without, preparing takes less time and memory.
         orientation: Whether faces that point the wrong way are reversed: ``"auto"``, if the mesh then fits clearly
             better; ``"keep"``, never; ``"repair"``, whenever it fits no worse.
-        compact: Whether to take 68 to 74 bytes per face less. The results are the same. Scattered points then take up
-            to half more time, and narrow bands up to a tenth.
+        compact: Whether to take 68 to 74 bytes per triangle less. The results are the same. Scattered points then take
+            up to half more time, and narrow bands up to a tenth.
         threads: Number of CPU threads; None = ``raymap.get_threads()``.
-        memory_limit: Most bytes that the surface may hold while it is made; None = what is available.
+        memory_limit: Most bytes that the call and its result may hold; None = what is available.
         progress: A callable that receives the name of a stage and the share of it that is done, 0 to 1, about ten
             times a second. It cancels by returning False or by raising. True shows a bar in a notebook,
             a moving line on a terminal, else a line a minute on stderr; ``"plain"`` does the last anywhere, and ``"json"``
@@ -176,13 +175,17 @@ class Surface:
     ) -> None:
         _arrays.check_gradient("vertices", mesh_or_vertices, "signed_distance(surface, points, vertices=vertices)")
         mesh = core_of(_inputs.to_mesh(mesh_or_vertices, faces))
-        options = _raymap.SurfaceOptions()
-        options.sign, options.compact = bool(sign), bool(compact)
-        machine = to_machine("cpu", threads, memory_limit)
-        self._sign, self._orientation, self._compact = options.sign, orientation, options.compact
+        self._sign, self._orientation, self._compact = bool(sign), orientation, bool(compact)
+        options = core_options(
+            sign="harmonic" if sign else "none",
+            orientation=orientation,
+            compact=compact,
+            threads=threads,
+            memory_limit=memory_limit,
+        )
         self._threads, self._memory_limit = threads, memory_limit
         with reporting(progress) as report:
-            self._core = _raymap.Surface(mesh, options, orientation, machine, report)
+            self._core = _raymap.Surface(mesh, options, report)
         self._stats: Stats = self._core.stats()  # type: ignore[assignment]
         self._scene: _raymap.Scene | None = None  # Of this surface alone, for ``signed_distance``.
 
@@ -235,9 +238,9 @@ class Surface:
             scene = _raymap.Scene()
             scene.add("surface", self._core, np.eye(4).reshape(1, 4, 4))
             self._scene = scene
-        machine = to_machine("cpu", threads)
+        options = core_options(threads=threads)
         with reporting(progress) as report:
-            found = self._scene.query_many(flat, rows, 1, False, _raymap.SceneOptions(), [], machine, report)
+            found = self._scene.query_many(flat, rows, 1, False, {"distance"}, [], options, report)
         return _arrays.like(_arrays.as_precise(found["distance"], points).reshape(shape[:-1]), points)
 
     @overload
@@ -345,15 +348,10 @@ class Surface:
         instead: str = "",
     ) -> dict[str, Any]:
         """Returns NumPy arrays by name, in the shape of the points. ``instead`` is the function that follows gradients."""
-        options = _raymap.QueryOptions()
-        for name in Query._fields:
-            setattr(options, name, name in names)
-        if max_distance is not None:
-            options.max_distance = to_number("max_distance", max_distance, above=0.0)
-        machine = to_machine("cpu", threads)
+        options = core_options(max_distance=max_distance, threads=threads)
         flat, shape = _arrays.to_points(points, instead, keep_single=True)
         with reporting(progress) as report:
-            found = self._core.query(flat, options, machine, report)
+            found = self._core.query(flat, names, options, report)
         for name, array in found.items():
             with np.errstate(over="ignore"):  # Far points may have distances beyond float32, which become infinite.
                 converted = array.astype(flat.dtype, copy=False) if array.dtype == np.float64 else array
@@ -382,16 +380,14 @@ class Surface:
             options = {"sign": "none", **options}
         grid = fit_grid(self._core.fit_grid, options)
         options = with_band(options, grid)
-        core_options = to_options(options, self._orientation, sparse=sparse)
-        if sparse:
-            band_options = sparse_options(options, core_options)
-            if (core_options.sign != "none") != self._sign or core_options.threshold != 0.5:
-                raise UsageError("sparse=True takes the sign and the threshold of the surface; leave them out")
-        machine = to_machine(options.get("device", "auto"), options.get("threads"), options.get("memory_limit"))
+        core = to_options(options, self._orientation, sparse=sparse)
+        is_signed = options.get("sign", "harmonic") != "none"
+        if sparse and (is_signed != self._sign or options.get("threshold", 0.5) != 0.5):
+            raise UsageError("sparse=True takes the sign and the threshold of the surface; leave them out")
         with reporting(options.get("progress")) as report:
             if sparse:
-                return sparse_of_core(self._core.generate_sparse(grid, band_options, machine, report))
-            return field_of_core(self._core.generate(grid, core_options, machine, report))
+                return sparse_of_core(self._core.generate_sparse(grid, core, report))
+            return field_of_core(self._core.generate(grid, core, report))
 
     def generate_region(
         self,
@@ -439,12 +435,11 @@ class Surface:
         >>> part.distance.shape, part.origin, bool(abs(part.distance).max() < 0.01)
         ((2, 2, 3), array([ 0.,  0., -1.]), True)
         """
-        options = _raymap.RegionOptions()
-        options.band = 0.0 if band is None else to_length("band", band)
-        set_arrays(options, arrays)
-        box, machine = _to_box(low, size, origin, spacing, dims), to_machine("cpu", threads, memory_limit)
+        given = array_options(arrays) | {"threads": threads, "memory_limit": memory_limit}
+        options = core_options(given, band=None if band is None else to_length("band", band))
         with reporting(progress) as report:
-            return field_of_core(self._core.generate_region(*box, options, machine, report))
+            region = _to_box(low, size, origin, spacing, dims)
+            return field_of_core(self._core.generate_region(*region, options, report))
 
     def far_distance(
         self,
@@ -480,8 +475,7 @@ class Surface:
         >>> surface.far_distance((0, 0, 0), (2, 2, 2), band=2, **lattice), surface.far_distance((0, 0, 0), (9, 9, 9), band=2, **lattice)
         (0.5, None)
         """
-        options = _raymap.RegionOptions()
-        options.band = to_length("band", band)
+        options = core_options(band=to_length("band", band))
         return self._core.far_distance(*_to_box(low, size, origin, spacing, dims), options)
 
     def thickness(
@@ -523,9 +517,10 @@ class Surface:
                              f"{numbers.dtype} of the shape {numbers.shape}")  # fmt: skip
         if numbers.size > 0 and not (0 <= numbers.min() and numbers.max() < 2**32):
             raise UsageError("triangles must be indices of faces, from 0 on")
+        options = core_options(max_thickness=max_thickness, threads=threads)
         with reporting(progress) as report:
             parts, diameter, inward = _raymap.thickness(
-                self._core, positions, numbers.astype(np.uint32), *_limits(max_thickness, threads), report
+                self._core, positions, numbers.astype(np.uint32), options, report
             )
         return Thickness(np.array(get_args(Part))[parts], diameter, inward)
 
@@ -540,8 +535,9 @@ class Surface:
         >>> round(found["median"], 1), found["sheet_share"]
         (2.0, 0.0)
         """
+        options = core_options(max_thickness=max_thickness, threads=threads)
         with reporting(progress) as report:
-            return _raymap.summarize_thickness(self._core, *_limits(max_thickness, threads), report)  # type: ignore[return-value]
+            return _raymap.summarize_thickness(self._core, options, report)  # type: ignore[return-value]
 
     @property
     def mesh(self) -> Mesh:
@@ -641,10 +637,6 @@ def sample_faces(mesh_or_vertices: Any, faces: Any = None, *, step: float) -> Fa
     (array([0, 1, 2, 3], dtype=uint32), 0.5)
     """
     return FacePoints(*_raymap.sample_faces(core_of(_inputs.to_mesh(mesh_or_vertices, faces)), to_number("step", step, above=0.0)))
-
-
-def _limits(max_thickness: float | None, threads: int | None) -> tuple[float, _raymap.MachineOptions]:
-    return math.inf if max_thickness is None else to_number("max_thickness", max_thickness), to_machine("cpu", threads)
 
 
 def _to_box(

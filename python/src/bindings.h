@@ -8,6 +8,7 @@
 #include <nanobind/stl/filesystem.h>
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/pair.h>
+#include <nanobind/stl/set.h>
 #include <nanobind/stl/shared_ptr.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/string_view.h>
@@ -15,14 +16,16 @@
 #include <nanobind/stl/vector.h>
 #include <raymap/generate.h>
 #include <raymap/grid.h>
-#include <raymap/machine.h>
 #include <raymap/mesh.h>
 #include <raymap/mesh_view.h>
+#include <raymap/named_options.h>
 #include <raymap/sparse_field.h>
 
 #include <initializer_list>
 #include <memory>
 #include <optional>
+#include <set>
+#include <string>
 #include <string_view>
 #include <tuple>
 #include <utility>
@@ -78,11 +81,6 @@ nb::str toText(std::string_view message);
 /// Returns a handle that owns the mesh.
 std::shared_ptr<MeshHandle> own(Mesh mesh);
 
-/// Returns the grid that these options lay over a valid mesh.
-Grid fit(const MeshView& mesh, int resolution, double voxelSize,
-         const std::optional<std::tuple<int, int, int>>& dims, const std::optional<Bounds>& box,
-         double padding, double thickness, bool align);
-
 /// Returns a NumPy array of this shape that owns the elements, for example of a vector.
 template <class Number, class Elements>
 nb::ndarray<nb::numpy, Number> toArray(Elements elements, std::initializer_list<size_t> shape) {
@@ -99,9 +97,9 @@ void bindErrors(nb::module_& module);
 void bindField(nb::module_& module);
 void bindGenerate(nb::module_& module);
 void bindIsosurface(nb::module_& module);
-void bindMachine(nb::module_& module);
 void bindMeasure(nb::module_& module);
 void bindMesh(nb::module_& module);
+void bindOptions(nb::module_& module);
 void bindRender(nb::module_& module);
 void bindRepair(nb::module_& module);
 void bindSamplePoints(nb::module_& module);

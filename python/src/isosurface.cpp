@@ -7,18 +7,18 @@ namespace raymap::python {
 namespace {
 
 template <class Handle>
-std::shared_ptr<MeshHandle> makeSurface(const Handle& field, double iso, int threads, nb::object progress) {
+std::shared_ptr<MeshHandle> makeSurface(const Handle& field, const AllOptions& options, nb::object progress) {
   Call call(std::move(progress));
   Mesh mesh;
-  call.run([&] { mesh = isosurface(field.field, {.iso = iso}, call.on({.threads = threads})); });
+  call.run([&] { mesh = isosurface(field.field, options.isosurface, call.on(options.machine)); });
   return own(std::move(mesh));
 }
 
 }  // namespace
 
 void bindIsosurface(nb::module_& module) {
-  module.def("isosurface", &makeSurface<FieldHandle>, "field"_a, "iso"_a, "threads"_a, "progress"_a.none());
-  module.def("isosurface", &makeSurface<SparseHandle>, "field"_a, "iso"_a, "threads"_a, "progress"_a.none());
+  module.def("isosurface", &makeSurface<FieldHandle>, "field"_a, "options"_a, "progress"_a.none());
+  module.def("isosurface", &makeSurface<SparseHandle>, "field"_a, "options"_a, "progress"_a.none());
 }
 
 }  // namespace raymap::python

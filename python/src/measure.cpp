@@ -37,37 +37,33 @@ nb::tuple facePoints(const MeshHandle& mesh, double step) {
 }
 
 /// Returns parts as numbers, diameters and directions.
-nb::tuple measure(const Surface& surface, const Points& positions, const Indices& triangles, double most,
-                  const MachineOptions& machine, nb::object progress) {
+nb::tuple measure(const Surface& surface, const Points& positions, const Indices& triangles,
+                  const AllOptions& options, nb::object progress) {
   std::vector<FacePoint> points(positions.shape(0));
   for (size_t i = 0; i < points.size(); ++i)
     points[i] = {{positions(i, 0), positions(i, 1), positions(i, 2)}, triangles(i)};
   Call call(std::move(progress));
   std::vector<Thickness> found;
-  call.run([&] { found = surface.thickness(points, {.maxThickness = most}, call.on(machine)); });
+  call.run([&] { found = surface.thickness(points, options.thickness, call.on(options.machine)); });
   return nb::make_tuple(column<uint8_t>(found, [](const Thickness& t) { return uint8_t(t.part); }),
                         column<float>(found, [](const Thickness& t) { return t.diameter; }),
                         column<glm::vec3>(found, [](const Thickness& t) { return t.inward; }));
 }
 
-nb::dict summarize(const Surface& surface, double most, const MachineOptions& machine, nb::object progress) {
+nb::dict summarize(const Surface& surface, const AllOptions& options, nb::object progress) {
   Call call(std::move(progress));
   ThicknessSummary found{};
-  call.run([&] { found = summarizeThickness(surface, {.maxThickness = most}, call.on(machine)); });
+  call.run([&] { found = summarizeThickness(surface, options.thickness, call.on(options.machine)); });
   return toPython(found);
 }
 
 /// Returns the mesh and the report.
-std::pair<std::shared_ptr<MeshHandle>, nb::dict> simplifyMesh(const MeshHandle& mesh, double tolerance,
-                                                              double step, size_t triangles,
-                                                              const MachineOptions& machine,
+std::pair<std::shared_ptr<MeshHandle>, nb::dict> simplifyMesh(const MeshHandle& mesh,
+                                                              const AllOptions& options,
                                                               nb::object progress) {
   Call call(std::move(progress));
   Simplified result;
-  call.run([&] {
-    result =
-        simplify(mesh.view, {.tolerance = tolerance, .step = step, .triangles = triangles}, call.on(machine));
-  });
+  call.run([&] { result = simplify(mesh.view, options.simplify, call.on(options.machine)); });
   const SimplifyReport report{.tolerance = result.tolerance,
                               .trianglesBefore = mesh.view.triangleCount,
                               .trianglesAfter = result.mesh.triangles.size(),
@@ -79,11 +75,9 @@ std::pair<std::shared_ptr<MeshHandle>, nb::dict> simplifyMesh(const MeshHandle& 
 
 void bindMeasure(nb::module_& module) {
   module.def("sample_faces", &facePoints, "mesh"_a, "step"_a);
-  module.def("thickness", &measure, "surface"_a, "points"_a, "triangles"_a, "most"_a, "machine"_a,
-             "progress"_a.none());
-  module.def("summarize_thickness", &summarize, "surface"_a, "most"_a, "machine"_a, "progress"_a.none());
-  module.def("simplify", &simplifyMesh, "mesh"_a, "tolerance"_a, "step"_a, "triangles"_a, "machine"_a,
-             "progress"_a.none());
+  module.def("thickness", &measure, "surface"_a, "points"_a, "triangles"_a, "options"_a, "progress"_a.none());
+  module.def("summarize_thickness", &summarize, "surface"_a, "options"_a, "progress"_a.none());
+  module.def("simplify", &simplifyMesh, "mesh"_a, "options"_a, "progress"_a.none());
 }
 
 }  // namespace raymap::python

@@ -30,7 +30,7 @@ NB_MODULE(_raymap, module) {
   module.def("set_leak_warnings", &nanobind::set_leak_warnings, "on"_a);
   module.def("write_whole", &writeWhole, "path"_a, "content"_a);
   bindErrors(module);
-  bindMachine(module);
+  bindOptions(module);
   bindMesh(module);
   bindDiagnostics(module);
   bindField(module);

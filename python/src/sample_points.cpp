@@ -14,11 +14,10 @@ using Numbers = nb::ndarray<const double, nb::ndim<1>, nb::c_contig, nb::device:
 using Vectors = nb::ndarray<const double, nb::shape<-1, 3>, nb::c_contig, nb::device::cpu>;
 
 /// Returns points, distances, gradients, the centre and the scale.
-nb::tuple choosePoints(const Surface& surface, const SamplePointsOptions& options,
-                       const MachineOptions& machine, nb::object progress) {
+nb::tuple choosePoints(const Surface& surface, const AllOptions& options, nb::object progress) {
   Call call(std::move(progress));
   PointSamples samples;
-  call.run([&] { samples = samplePoints(surface, options, call.on(machine)); });
+  call.run([&] { samples = samplePoints(surface, options.samples, call.on(options.machine)); });
   const size_t count = samples.points.size();
   return nb::make_tuple(toArray<double>(std::move(samples.points), {count, 3}),
                         toArray<double>(std::move(samples.distance), {count}),
@@ -57,19 +56,10 @@ void save(const std::filesystem::path& path, const Vectors& points, const Number
 }  // namespace
 
 void bindSamplePoints(nb::module_& module) {
-  nb::class_<SamplePointsOptions>(module, "SamplePointsOptions")
-      .def(nb::init<>())
-      .def_rw("count", &SamplePointsOptions::count)
-      .def_rw("surface", &SamplePointsOptions::surfaceShare)
-      .def_rw("near", &SamplePointsOptions::nearShare)
-      .def_rw("sigmas", &SamplePointsOptions::sigmas)
-      .def_rw("seed", &SamplePointsOptions::seed)
-      .def_rw("normalize", &SamplePointsOptions::normalize)
-      .def_rw("unit", &SamplePointsOptions::unit)
-      .def_rw("in_cube", &SamplePointsOptions::inCube)
-      .def_rw("reach", &SamplePointsOptions::reach);
-  module.def("sample_point_counts", &samplePointCounts, "options"_a);
-  module.def("sample_points", &choosePoints, "surface"_a, "options"_a, "machine"_a, "progress"_a.none());
+  module.def(
+      "sample_point_counts", [](const AllOptions& options) { return samplePointCounts(options.samples); },
+      "options"_a);
+  module.def("sample_points", &choosePoints, "surface"_a, "options"_a, "progress"_a.none());
   module.def("sample_rows", &rows, "points"_a, "distance"_a, "inside"_a);
   module.def("save_samples", &save, "path"_a, "points"_a, "distance"_a, "gradient"_a, "centre"_a, "scale"_a,
              "format"_a = "");

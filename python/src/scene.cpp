@@ -43,47 +43,49 @@ nb::dict toDict(SceneResult result, const SceneOptions& options, size_t count, s
   return dict;
 }
 
-nb::dict queryScene(const Scene& self, const WorldPoints& points, SceneOptions options,
-                    const std::vector<uint32_t>& without, const MachineOptions& machine,
-                    nb::object progress) {
+SceneOptions sceneOptions(const std::set<std::string>& arrays, const std::vector<uint32_t>& without,
+                          const AllOptions& options) {
+  return {.distance = arrays.contains("distance"),
+          .body = arrays.contains("body"),
+          .closest = arrays.contains("closest"),
+          .gradient = arrays.contains("gradient"),
+          .distances = arrays.contains("distances"),
+          .triangle = arrays.contains("triangle"),
+          .maxDistance = options.scene.maxDistance,
+          .without = without};
+}
+
+nb::dict queryScene(const Scene& self, const WorldPoints& points, const std::set<std::string>& arrays,
+                    const std::vector<uint32_t>& without, const AllOptions& options, nb::object progress) {
   Call call(std::move(progress));
   SceneResult result;
-  options.without = without;
+  const SceneOptions asked = sceneOptions(arrays, without, options);
   const PointsView view(points.data(), points.shape(0));
-  call.run([&] { result = self.query(view, options, call.on(machine)); }, view.count);
-  return toDict(std::move(result), options, points.shape(0), self.size());
+  call.run([&] { result = self.query(view, asked, call.on(options.machine)); }, view.count);
+  return toDict(std::move(result), asked, points.shape(0), self.size());
 }
 
 nb::dict queryConfigurations(const Scene& self, const WorldPoints& points, const PoseArray& rows,
-                             size_t count, bool hasOwnPoints, SceneOptions options,
-                             const std::vector<uint32_t>& without, const MachineOptions& machine,
+                             size_t count, bool hasOwnPoints, const std::set<std::string>& arrays,
+                             const std::vector<uint32_t>& without, const AllOptions& options,
                              nb::object progress) {
   Call call(std::move(progress));
   SceneResult result;
-  options.without = without;
+  const SceneOptions asked = sceneOptions(arrays, without, options);
   const PointsView view(points.data(), points.shape(0));
   const std::vector<glm::dmat4> poses = toPoses(rows);
   const size_t total = hasOwnPoints ? view.count : count * view.count;
   call.run(
       [&] {
-        result = self.query(view, {poses, count, hasOwnPoints}, options, call.on(machine));
+        result = self.query(view, {poses, count, hasOwnPoints}, asked, call.on(options.machine));
       },
       total);
-  return toDict(std::move(result), options, total, self.size());
+  return toDict(std::move(result), asked, total, self.size());
 }
 
 }  // namespace
 
 void bindScene(nb::module_& module) {
-  nb::class_<SceneOptions>(module, "SceneOptions")
-      .def(nb::init<>())
-      .def_rw("distance", &SceneOptions::distance)
-      .def_rw("body", &SceneOptions::body)
-      .def_rw("closest", &SceneOptions::closest)
-      .def_rw("gradient", &SceneOptions::gradient)
-      .def_rw("distances", &SceneOptions::distances)
-      .def_rw("triangle", &SceneOptions::triangle)
-      .def_rw("max_distance", &SceneOptions::maxDistance);
   nb::class_<Scene>(module, "Scene")
       .def(nb::init<>())
       .def(
@@ -120,10 +122,10 @@ void bindScene(nb::module_& module) {
       .def_prop_ro("names", &Scene::names)
       .def(
           "number", [](const Scene& self, std::string_view name) { return self.number(name); }, "name"_a)
-      .def("query", &queryScene, "points"_a.noconvert(), "options"_a, "without"_a, "machine"_a,
+      .def("query", &queryScene, "points"_a.noconvert(), "arrays"_a, "without"_a, "options"_a,
            "progress"_a.none())
       .def("query_many", &queryConfigurations, "points"_a.noconvert(), "poses"_a.noconvert(), "count"_a,
-           "has_own_points"_a, "options"_a, "without"_a, "machine"_a, "progress"_a.none());
+           "has_own_points"_a, "arrays"_a, "without"_a, "options"_a, "progress"_a.none());
 }
 
 }  // namespace raymap::python

@@ -72,18 +72,17 @@ std::shared_ptr<SparseHandle> makeBand(const std::tuple<int, int, int>& dims, co
   return handle;
 }
 
-std::shared_ptr<FieldHandle> makeDense(const SparseHandle& self, const MachineOptions& machine) {
+std::shared_ptr<FieldHandle> makeDense(const SparseHandle& self, const AllOptions& options) {
   const nb::gil_scoped_release release;
   auto handle = std::make_shared<FieldHandle>();
-  handle->field = toDense(self.field, machine);
+  handle->field = toDense(self.field, options.machine);
   return handle;
 }
 
-std::shared_ptr<SparseHandle> makeSparse(const FieldHandle& field, const BandOptions& options,
-                                         const MachineOptions& machine) {
+std::shared_ptr<SparseHandle> makeSparse(const FieldHandle& field, const AllOptions& options) {
   const nb::gil_scoped_release release;
   auto handle = std::make_shared<SparseHandle>();
-  handle->field = toSparse(field.field, options, machine);
+  handle->field = toSparse(field.field, options.band, options.machine);
   return handle;
 }
 
@@ -97,13 +96,6 @@ std::shared_ptr<SparseHandle> loadBand(const std::filesystem::path& path, const 
 }  // namespace
 
 void bindSparseField(nb::module_& module) {
-  nb::class_<BandOptions>(module, "BandOptions")
-      .def(nb::init<>())
-      .def_rw("outside", &BandOptions::outside)
-      .def_rw("inside", &BandOptions::inside)
-      .def_rw("triangle", &BandOptions::triangle)
-      .def_rw("winding", &BandOptions::winding)
-      .def_rw("confidence", &BandOptions::confidence);
   nb::class_<SparseHandle> field(module, "SparseField");
   bindPlacement(field);
   field
@@ -123,13 +115,13 @@ void bindSparseField(nb::module_& module) {
       .def_prop_ro("nbytes", [](const SparseHandle& self) { return self.field.bytes(); })
       .def("sample", &sampleAt<SparseHandle>, "points"_a.noconvert(), "gradients"_a, "nan_outside"_a,
            "threads"_a)
-      .def("to_dense", &makeDense, "machine"_a)
+      .def("to_dense", &makeDense, "options"_a)
       .def(
           "save",
           [](const SparseHandle& self, const std::filesystem::path& path) { writeBand(path, self.field); },
           "path"_a, nb::call_guard<nb::gil_scoped_release>());
   module.def("load_band", &loadBand, "path"_a, "grid"_a);
-  module.def("to_sparse", &makeSparse, "field"_a, "options"_a, "machine"_a);
+  module.def("to_sparse", &makeSparse, "field"_a, "options"_a);
 }
 
 }  // namespace raymap::python

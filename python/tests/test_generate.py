@@ -392,7 +392,7 @@ def test_options_of_the_sign_are_those_of_the_command_line(ball, run_raymap):
     (dict(sign="paths", offsets=[(1, 2)]), r"offsets must be \(n, 3\) whole numbers"),
     (dict(sign="paths", offsets=[(0.5, 1, 2)]), "whole numbers, not float64"),
     (dict(sign="paths", offsets=[(2**31, 1, 2)]), "of 32 bits"),
-    (dict(sign="paths", passes=-1), "passes must be 0 or more"),
+    (dict(sign="paths", passes=-1), "passes must be 1 or more"),
     (dict(sampling="raster"), "there is no sampling 'raster'"),
     (dict(threshold=-1), "threshold"),
 ])

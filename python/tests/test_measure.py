@@ -69,7 +69,7 @@ def test_thickness_refuses_what_makes_no_sense(ball):
     for wrong in (-1, 2**32):
         with pytest.raises(raymap.UsageError, match="triangles must be indices of faces, from 0 on"):
             surface.thickness(points, [0, wrong])
-    with pytest.raises(raymap.UsageError, match="the largest thickness must be positive"):
+    with pytest.raises(raymap.UsageError, match="max_thickness must be above 0"):
         surface.thickness(points, [0, 1], max_thickness=0)
     with pytest.raises(raymap.UsageError, match="without a sign"):
         raymap.Surface(ball, sign=False).thickness_summary()

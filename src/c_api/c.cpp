@@ -1,8 +1,8 @@
 // The functions of raymap/c.h about errors, the version, threads and devices.
 
 #include <raymap/c.h>
+#include <raymap/devices.h>
 #include <raymap/memory.h>
-#include <raymap/names.h>
 #include <raymap/threads.h>
 #include <raymap/version.h>
 
@@ -11,11 +11,9 @@
 #include <cstdlib>
 #include <string>
 
-#include "c_api/c_handles.h"
-#include "c_api/c_struct.h"
+#include "c_api/c_report.h"
 
 using namespace raymap;
-using raymap::c::create;
 using raymap::c::guard;
 using raymap::c::need;
 
@@ -68,41 +66,8 @@ uint64_t raymap_memory_left(void) {
   return memoryLeft();
 }
 
-raymap_devices* raymap_devices_list(void) {
-  return create([] {
-    auto handle = std::make_unique<raymap_devices>();
-    handle->list = devices();
-    return handle;
-  });
-}
-
-void raymap_devices_free(raymap_devices* devices) {
-  delete devices;
-}
-
-size_t raymap_devices_count(const raymap_devices* devices) {
-  return devices ? devices->list.devices.size() : 0;
-}
-
-raymap_result raymap_devices_get(const raymap_devices* devices, size_t index, raymap_device* device) {
-  return guard([&] {
-    const DeviceList& list = need(devices, "the list of devices").list;
-    if (index >= list.devices.size())
-      throw Error(ErrorCode::Usage, "there is no device " + std::to_string(index) + ", only " +
-                                        std::to_string(list.devices.size()));
-    const DeviceInfo& found = list.devices[index];
-    c::write({.size = sizeof(raymap_device),
-              .id = found.id.c_str(),
-              .name = found.name.c_str(),
-              .type = c::nameOf(found.type),
-              .driver = found.driver.c_str(),
-              .problem = found.problem.c_str(),
-              .memory = found.memory,
-              .is_automatic = found.automatic,
-              .test = c::nameOf(found.test),
-              .test_problem = found.testProblem.c_str()},
-             device);
-  });
+char* raymap_devices_json(void) {
+  return c::report([] { return toJson(devices().devices); });
 }
 
 raymap_result raymap_devices_test(const char* id) {

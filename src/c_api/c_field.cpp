@@ -1,12 +1,12 @@
 // The functions of raymap/c.h about fields in memory.
 
 #include <raymap/c.h>
+#include <raymap/isosurface.h>
 
 #include <cstring>
 #include <string>
 
-#include "c_api/c_handles.h"
-#include "c_api/c_struct.h"
+#include "c_api/c_report.h"
 #include "field/field_sampler.h"
 
 using namespace raymap;
@@ -31,15 +31,21 @@ Outside outsideOf(const raymap_outside& outside) {
   }
 }
 
-template <class Handle>
-raymap_result sampleField(const Handle* handle, const double* points, size_t count,
-                          const raymap_outside& outside, float* distances, float* gradients) {
-  return guard([&] {
-    const auto& sampled = need(handle, "the field").field;
-    if (count > 0) need(points, "the array of points");
-    sampleInto(sampled, {reinterpret_cast<const glm::dvec3*>(points), count}, outsideOf(outside), distances,
-               reinterpret_cast<glm::vec3*>(gradients));
-  });
+/// Returns the data of an array that fields and narrow bands have; null if it is empty, or the handle is
+/// null.
+template <class T>
+const T* dataOf(const raymap_field* field, Buffer<T> Field::*dense, Buffer<T> SparseField::*narrow) noexcept {
+  const Buffer<T>* values = nullptr;
+  if (field)
+    if (const auto* whole = std::get_if<Field>(&field->field)) values = &(whole->*dense);
+  if (field)
+    if (const auto* band = std::get_if<SparseField>(&field->field)) values = &(band->*narrow);
+  return values && !values->empty() ? values->data() : nullptr;
+}
+
+/// Returns the narrow band of a handle; null if it is dense or null.
+const SparseField* bandOf(const raymap_field* field) {
+  return field ? std::get_if<SparseField>(&field->field) : nullptr;
 }
 
 }  // namespace
@@ -55,13 +61,10 @@ void raymap_field_free(raymap_field* field) {
 raymap_field* raymap_generate(const raymap_mesh* mesh, const raymap_grid* grid,
                               const raymap_options* options) {
   return create([&] {
-    const raymap_options& given = c::optionsOr(options);
+    const AllOptions& given = c::optionsOr(options);
     auto [field, stats] =
         generate(need(mesh, "the mesh").view, c::fromC(need(grid, "the grid")), given.field, given.machine);
-    auto handle = std::make_unique<raymap_field>();
-    handle->field = std::move(field);
-    handle->stats = std::move(stats);
-    return handle;
+    return c::ownField(std::move(field), std::move(stats));
   });
 }
 
@@ -78,55 +81,109 @@ raymap_result raymap_generator_run(raymap_generator* generator, const raymap_mes
                                    raymap_field* field) {
   return guard([&] {
     raymap_field& filled = need(field, "the field");
-    const raymap_options& given = c::optionsOr(options);
+    const AllOptions& given = c::optionsOr(options);
     filled.stats = {};
+    if (bandOf(field)) filled.field = Field();
     filled.stats = need(generator, "the generator")
                        .generator.generate(need(mesh, "the mesh").view, c::fromC(need(grid, "the grid")),
-                                           given.field, filled.field, given.machine);
+                                           given.field, std::get<Field>(filled.field), given.machine);
   });
 }
 
 raymap_result raymap_field_grid(const raymap_field* field, raymap_grid* grid) {
-  return guard([&] { need(grid, "the grid") = c::toC(need(field, "the field").field.grid); });
-}
-
-double raymap_field_clamp_distance(const raymap_field* field) {
-  return field ? field->field.clampDistance : 0.0;
-}
-
-const float* raymap_field_distance(const raymap_field* field) {
-  return c::dataOf(field, &Field::distance);
-}
-
-const uint32_t* raymap_field_triangle(const raymap_field* field) {
-  return c::dataOf(field, &Field::triangle);
-}
-
-const float* raymap_field_winding(const raymap_field* field) {
-  return c::dataOf(field, &Field::winding);
-}
-
-const float* raymap_field_confidence(const raymap_field* field) {
-  return c::dataOf(field, &Field::confidence);
-}
-
-raymap_result raymap_field_stats(const raymap_field* field, raymap_stats* stats) {
   return guard([&] {
-    const Stats& found = need(field, "the field").stats;
-    c::write(c::toC(found), stats);
+    need(grid, "the grid") = c::visitField(field, [](const auto& each) { return c::toC(each.grid); });
   });
 }
 
-const char* raymap_field_device(const raymap_field* field) {
-  return field ? field->stats.device.c_str() : "";
+double raymap_field_clamp_distance(const raymap_field* field) {
+  if (const SparseField* band = bandOf(field)) return std::min(band->outside, band->inside);
+  return field ? std::get<Field>(field->field).clampDistance : 0.0;
+}
+
+const float* raymap_field_distance(const raymap_field* field) {
+  return dataOf(field, &Field::distance, &SparseField::distance);
+}
+
+const uint32_t* raymap_field_triangle(const raymap_field* field) {
+  return dataOf(field, &Field::triangle, &SparseField::triangle);
+}
+
+const float* raymap_field_winding(const raymap_field* field) {
+  return dataOf(field, &Field::winding, &SparseField::winding);
+}
+
+const float* raymap_field_confidence(const raymap_field* field) {
+  return dataOf(field, &Field::confidence, &SparseField::confidence);
+}
+
+bool raymap_field_is_narrow(const raymap_field* field) {
+  return bandOf(field) != nullptr;
+}
+
+size_t raymap_field_leaf_count(const raymap_field* field) {
+  const SparseField* band = bandOf(field);
+  return band ? band->leaves.size() : 0;
+}
+
+const int32_t* raymap_field_leaves(const raymap_field* field) {
+  return raymap_field_leaf_count(field) > 0 ? &bandOf(field)->leaves[0].x : nullptr;
+}
+
+size_t raymap_field_tile_count(const raymap_field* field) {
+  const SparseField* band = bandOf(field);
+  return band ? band->tiles.size() : 0;
+}
+
+const int32_t* raymap_field_tiles(const raymap_field* field) {
+  static_assert(sizeof(SparseField::Tile) == 4 * sizeof(int32_t));
+  return raymap_field_tile_count(field) > 0 ? &bandOf(field)->tiles[0].low.x : nullptr;
+}
+
+raymap_field* raymap_field_to_narrow(const raymap_field* field, const raymap_options* options) {
+  return create([&] {
+    const Field& dense = c::needKind<Field>(field);
+    const AllOptions& given = c::optionsOr(options);
+    return c::ownField(toSparse(dense, given.band, given.machine), field->stats);
+  });
+}
+
+raymap_field* raymap_field_to_dense(const raymap_field* field, const raymap_options* options) {
+  return create([&] {
+    const SparseField& band = c::needKind<SparseField>(field);
+    return c::ownField(toDense(band, c::optionsOr(options).machine), field->stats);
+  });
+}
+
+char* raymap_field_json(const raymap_field* field) {
+  return c::report([&] {
+    nlohmann::ordered_json json = toJson(need(field, "the field").stats);
+    if (const SparseField* band = bandOf(field)) {
+      json["outside"] = band->outside;
+      json["inside"] = band->inside;  // Null if it is infinite.
+      json["active"] = band->activeCount();
+      json["bytes"] = band->bytes();
+    }
+    return json;
+  });
 }
 
 raymap_result raymap_field_sample(const raymap_field* field, const double* points, size_t count,
                                   raymap_outside outside, float* distances, float* gradients) {
-  return sampleField(field, points, count, outside, distances, gradients);
+  return guard([&] {
+    c::visitField(field, [&](const auto& sampled) {
+      if (count > 0) need(points, "the array of points");
+      sampleInto(sampled, {reinterpret_cast<const glm::dvec3*>(points), count}, outsideOf(outside), distances,
+                 reinterpret_cast<glm::vec3*>(gradients));
+    });
+  });
 }
 
-raymap_result raymap_sparse_field_sample(const raymap_sparse_field* field, const double* points, size_t count,
-                                         raymap_outside outside, float* distances, float* gradients) {
-  return sampleField(field, points, count, outside, distances, gradients);
+raymap_mesh* raymap_isosurface(const raymap_field* field, const raymap_options* options) {
+  return create([&] {
+    const AllOptions& given = c::optionsOr(options);
+    return c::visitField(field, [&](const auto& each) {
+      return c::ownMesh(isosurface(each, given.isosurface, given.machine));
+    });
+  });
 }

@@ -16,7 +16,7 @@ using raymap::c::need;
 
 raymap_mesh* raymap_mesh_load(const char* path, const raymap_options* options) {
   return create([&] {
-    const raymap_options& given = c::optionsOr(options);
+    const AllOptions& given = c::optionsOr(options);
     std::vector<glm::dvec3> exact;
     auto mesh = c::ownMesh(
         readMesh(&need(path, "the path"),
@@ -37,19 +37,16 @@ raymap_result raymap_mesh_write(const raymap_mesh* mesh, const char* path, const
 
 raymap_field* raymap_field_load(const char* path, const raymap_options* options) {
   return create([&] {
-    auto handle = std::make_unique<raymap_field>();
-    handle->field = readField(&need(path, "the path"), {.warn = c::optionsOr(options).machine.warn});
-    return handle;
+    return c::ownField(readField(&need(path, "the path"), {.warn = c::optionsOr(options).machine.warn}));
   });
 }
 
 raymap_result raymap_field_write(const raymap_field* field, const char* path, const char* array) {
   return guard([&] {
-    writeField(&need(path, "the path"), need(field, "the field").field,
+    const std::filesystem::path file = &need(path, "the path");
+    if (const auto* band = std::get_if<SparseField>(&need(field, "the field").field))
+      return writeBand(file, *band);
+    writeField(file, std::get<Field>(field->field),
                {.array = array ? fromName<FieldArray>(array) : FieldArray::Distance});
   });
-}
-
-raymap_result raymap_sparse_field_write(const raymap_sparse_field* field, const char* path) {
-  return guard([&] { writeBand(&need(path, "the path"), need(field, "the field").field); });
 }

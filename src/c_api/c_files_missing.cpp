@@ -26,9 +26,6 @@ RETURN_NULL(raymap_mesh* raymap_mesh_load(const char*, const raymap_options*))
 REFUSE(raymap_result raymap_mesh_write(const raymap_mesh*, const char*, const raymap_options*))
 RETURN_NULL(raymap_field* raymap_field_load(const char*, const raymap_options*))
 REFUSE(raymap_result raymap_field_write(const raymap_field*, const char*, const char*))
-REFUSE(raymap_result raymap_sparse_field_write(const raymap_sparse_field*, const char*))
-RETURN_NULL(char* raymap_inspection_json(const raymap_inspection*))
-RETURN_NULL(char* raymap_repaired_json(const raymap_repaired*))
 
 #undef REFUSE
 #undef RETURN_NULL

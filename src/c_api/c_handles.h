@@ -3,28 +3,23 @@
 // The types behind the handles of raymap/c.h, and the way errors leave it.
 
 #include <raymap/c.h>
-#include <raymap/devices.h>
 #include <raymap/error.h>
 #include <raymap/generate.h>
-#include <raymap/picture.h>
-#include <raymap/repair.h>
+#include <raymap/named_options.h>
 #include <raymap/scene.h>
 #include <raymap/surface.h>
-#include <raymap/verdict.h>
 
 #include <algorithm>
 #include <exception>
-#include <limits>
 #include <memory>
 #include <new>
 #include <string>
 #include <utility>
+#include <variant>
 #include <vector>
 
 struct raymap_options {
-  raymap::FieldOptions field;
-  raymap::MachineOptions machine;
-  bool isCompact = false;  ///< Whether surfaces are.
+  raymap::AllOptions all;
 };
 
 struct raymap_mesh {
@@ -34,12 +29,8 @@ struct raymap_mesh {
 };
 
 struct raymap_field {
-  raymap::Field field;
+  std::variant<raymap::Field, raymap::SparseField> field;
   raymap::Stats stats;
-};
-
-struct raymap_sparse_field {
-  raymap::SparseField field;
 };
 
 struct raymap_generator {
@@ -56,23 +47,8 @@ struct raymap_scene {
   raymap::Scene scene;
 };
 
-struct raymap_inspection {
-  raymap::Diagnostics found;
-  raymap::SelfIntersections crossings;
-  raymap::Verdict verdict;
-};
-
-struct raymap_repaired {
-  raymap_mesh mesh;
-  raymap::RepairReport report;
-};
-
 struct raymap_picture {
   raymap::Picture picture;
-};
-
-struct raymap_devices {
-  raymap::DeviceList list;
 };
 
 namespace raymap::c {
@@ -136,39 +112,42 @@ T& need(T* pointer, const char* name) {
 }
 
 /// Returns the options, or the defaults for null.
-inline const raymap_options& optionsOr(const raymap_options* options) {
-  static const raymap_options kDefaults;
-  return options ? *options : kDefaults;
+inline const AllOptions& optionsOr(const raymap_options* options) {
+  static const AllOptions kDefaults;
+  return options ? options->all : kDefaults;
 }
 
-/// Returns the data of an array of a handle's field; null if it is empty. Fails if the handle is null.
-template <class T, class Handle, class AnyField>
-const T* dataOf(const Handle* handle, Buffer<T> AnyField::*array) noexcept {
-  const T* data = nullptr;
-  guard([&] {
-    const Buffer<T>& values = need(handle, "the field").field.*array;
-    if (!values.empty()) data = values.data();
-  });
-  return data;
+/// Calls `use` with the dense field or the narrow band of a handle. Throws `Error(Usage)` if it is null.
+auto visitField(auto* handle, auto&& use) {
+  return std::visit(use, need(handle, "the field").field);
 }
 
-/// Returns options of a grid. Throws `Error(Usage)` as `read` does.
-GridOptions gridOptions(const raymap_grid_options* options);
-
-/// Returns the limit of a search; 0 = none.
-inline double limitOr(double limit) {
-  return limit != 0.0 ? limit : std::numeric_limits<double>::infinity();
+/// Returns the field or the narrow band of a handle. Throws `Error(Usage)` if the handle is null, or has the
+/// other of both.
+template <class Kind>
+const Kind& needKind(const raymap_field* handle) {
+  const Kind* field = std::get_if<Kind>(&need(handle, "the field").field);
+  if (field) return *field;
+  constexpr bool kIsDense = std::is_same_v<Kind, Field>;
+  throw Error(ErrorCode::Usage, kIsDense
+                                    ? "the field is a narrow band; make it dense with raymap_field_to_dense"
+                                    : "the field is dense; make a band of it with raymap_field_to_narrow");
 }
+
+/// Returns a handle that owns a field or a narrow band.
+template <class Kind>
+std::unique_ptr<raymap_field> ownField(Kind field, Stats stats = {}) {
+  return std::make_unique<raymap_field>(raymap_field{std::move(field), std::move(stats)});
+}
+
+/// Returns a text for the caller to free.
+char* ownText(const std::string& text);
 
 /// Converts a grid from the struct for C.
 inline Grid fromC(const raymap_grid& grid) {
   return {.dims = {grid.dims[0], grid.dims[1], grid.dims[2]},
           .origin = {grid.origin[0], grid.origin[1], grid.origin[2]},
           .spacing = grid.spacing};
-}
-
-inline glm::dvec3 vectorOf(const double (&numbers)[3]) {
-  return {numbers[0], numbers[1], numbers[2]};
 }
 
 inline void copyVector(const glm::dvec3& from, double* to) {
@@ -184,12 +163,6 @@ inline void copyTo(double* to, const Buffer<glm::dvec3>& from) {
   for (size_t i = 0; to && i < from.size(); ++i) copyVector(from[i], to + 3 * i);
 }
 
-/// Returns the name of an enum's value. Names are literals, so they end with a zero.
-template <class Enum>
-const char* nameOf(Enum value) {
-  return name(value).data();  // NOLINT(bugprone-suspicious-stringview-data-usage)
-}
-
 /// Converts a grid to the struct for C.
 inline raymap_grid toC(const Grid& grid) {
   return {.dims = {grid.dims.x, grid.dims.y, grid.dims.z},
@@ -197,32 +170,11 @@ inline raymap_grid toC(const Grid& grid) {
           .spacing = grid.spacing};
 }
 
-/// Converts statistics to the struct for C.
-inline raymap_stats toC(const Stats& stats) {
-  return {.size = sizeof(raymap_stats),
-          .milliseconds = stats.milliseconds,
-          .bytes = stats.bytes,
-          .doubtful_share = stats.doubtfulShare,
-          .turned_faces = stats.turnedFaces.size(),
-          .left_out_faces = stats.leftOutFaces.size(),
-          .orientation_fits = stats.orientationFits,
-          .misfit_given = stats.misfitGiven,
-          .misfit = stats.misfit,
-          .patch_triangles = stats.patchTriangles,
-          .patch_area = stats.patchArea,
-          .inverted_parts = stats.invertedParts.size()};
-}
-
-/// Makes a handle own a mesh.
-inline void own(raymap_mesh& handle, Mesh mesh) {
-  handle.owned = std::move(mesh);
-  handle.view = handle.owned;
-}
-
 /// Returns a handle that owns the mesh.
 inline std::unique_ptr<raymap_mesh> ownMesh(Mesh mesh) {
   auto handle = std::make_unique<raymap_mesh>();
-  own(*handle, std::move(mesh));
+  handle->owned = std::move(mesh);
+  handle->view = handle->owned;
   return handle;
 }
 

@@ -22,7 +22,7 @@ MeshView viewOf(const raymap_mesh_arrays& arrays) {
             triangles,
             arrays.triangle_count,
             {arrays.vertex_stride, arrays.triangle_stride},
-            c::vectorOf(arrays.origin)};
+            {arrays.origin[0], arrays.origin[1], arrays.origin[2]}};
   };
   const auto withVertices = [&](const auto* vertices) {
     return arrays.has_64_bit_indices ? view(vertices, static_cast<const uint64_t*>(arrays.triangles))
@@ -33,17 +33,6 @@ MeshView viewOf(const raymap_mesh_arrays& arrays) {
 }
 
 }  // namespace
-
-GridOptions raymap::c::gridOptions(const raymap_grid_options* options) {
-  const raymap_grid_options given = read(options);
-  GridOptions wanted{.voxelSize = given.voxel_size, .thickness = given.thickness, .align = given.align};
-  if (given.resolution != 0) wanted.resolution = given.resolution;
-  if (const glm::ivec3 dims(given.dims[0], given.dims[1], given.dims[2]); dims != glm::ivec3(0))
-    wanted.dims = dims;
-  if (given.has_padding) wanted.padding = given.padding;
-  if (given.has_box) wanted.box = Box{vectorOf(given.box_min), vectorOf(given.box_max)};
-  return wanted;
-}
 
 raymap_mesh* raymap_mesh_from_arrays(const raymap_mesh_arrays* arrays) {
   return create([&] {
@@ -110,12 +99,11 @@ raymap_result raymap_mesh_bounds(const raymap_mesh* mesh, double min[3], double 
   });
 }
 
-raymap_result raymap_fit_grid(const raymap_mesh* mesh, const raymap_grid_options* options,
-                              raymap_grid* grid) {
+raymap_result raymap_fit_grid(const raymap_mesh* mesh, const raymap_options* options, raymap_grid* grid) {
   return guard([&] {
     const MeshView& view = need(mesh, "the mesh").view;
     need(grid, "the grid");
-    const GridOptions wanted = c::gridOptions(options);
+    const GridOptions& wanted = c::optionsOr(options).grid;
     if (!wanted.box) validate(view);
     *grid = c::toC(fitGrid(view, wanted));
   });

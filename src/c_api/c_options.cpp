@@ -3,11 +3,16 @@
 #include <raymap/c.h>
 #include <raymap/names.h>
 
-#include <cmath>
+#include <algorithm>
+#include <cstdlib>
+#include <cstring>
 #include <limits>
+#include <new>
 #include <string>
+#include <string_view>
+#include <vector>
 
-#include "c_api/c_handles.h"
+#include "c_api/c_report.h"
 
 using namespace raymap;
 using raymap::c::create;
@@ -16,70 +21,67 @@ using raymap::c::need;
 
 namespace {
 
-/// Returns a number if it is whole, at least 0 and at most `most`. Throws `Error(Usage)` for any other.
-double whole(const std::string& option, double value, double most) {
-  if (value >= 0.0 && value <= most && value == std::floor(value)) return value;
-  throw Error(ErrorCode::Usage, "the option '" + option + "' must be a whole number from 0 to " +
-                                    std::to_string(static_cast<uint64_t>(most)) + ", not " +
-                                    std::to_string(value));
+using Json = nlohmann::ordered_json;
+
+AllOptions& allOf(raymap_options* options) {
+  return need(options, "the handle of options").all;
 }
 
-void setText(raymap_options& options, const std::string& option, const char* value) {
-  if (option == "distance")
-    options.field.distance = fromName<DistanceMode>(value);
-  else if (option == "sign")
-    options.field.sign = fromName<SignMode>(value);
-  else if (option == "sampling")
-    options.field.sampling = fromName<Sampling>(value);
-  else if (option == "orientation")
-    options.field.orientation = fromName<Orientation>(value);
-  else if (option == "device")
-    options.machine.device = value;
-  else
-    throw Error(ErrorCode::Usage, "there is no option '" + option +
-                                      "' with a name; use distance, sign, sampling, orientation or device");
+raymap_result set(raymap_options* options, const char* option, const auto& value) {
+  return guard([&] { setOption(allOf(options), &need(option, "the option"), value()); });
 }
 
-/// Sets an option that is a number. Throws `Error(Usage)` for another name.
-void setNumber(raymap_options& options, const std::string& option, double value) {
-  const auto integer = [&] {
-    return static_cast<int>(whole(option, value, std::numeric_limits<int>::max()));
-  };
-  const auto isOn = [&] { return whole(option, value, 1.0) == 1.0; };
-  if (option == "passes")
-    options.field.passes = integer();
-  else if (option == "threads")
-    options.machine.threads = integer();
-  else if (option == "memory_limit")
-    options.machine.memoryLimit = static_cast<size_t>(whole(option, value, 0x1p62));
-  else if (option == "threshold")
-    options.field.threshold = value;
-  else if (option == "band")
-    options.field.band = value;
-  else if (option == "thickness")
-    options.field.thickness = value;
-  else if (option == "compact")
-    options.isCompact = isOn();
-  else if (option == "invert")
-    options.field.invert = isOn();
-  else if (option == "close_holes")
-    options.field.closeHoles = isOn();
-  else if (option == "triangle")
-    options.field.triangle = isOn();
-  else if (option == "winding")
-    options.field.winding = isOn();
-  else if (option == "confidence")
-    options.field.confidence = isOn();
-  else if (option == "allow_empty")
-    options.field.allowEmpty = isOn();
-  else
-    throw Error(ErrorCode::Usage, "there is no option '" + option +
-                                      "' with a number; use passes, threshold, band, thickness, threads, "
-                                      "memory_limit, compact, invert, close_holes, triangle, winding, "
-                                      "confidence or allow_empty");
+/// Appends the numbers of nested lists.
+void append(const std::string& option, const Json& json, std::vector<double>& numbers) {
+  if (json.is_number()) return numbers.push_back(json.get<double>());
+  if (!json.is_array())
+    throw Error(ErrorCode::Usage, option + " must be a list of numbers, not " + json.dump());
+  for (const Json& each : json) append(option, each, numbers);
+}
+
+OptionValue valueOf(const std::string& option, const Json& json) {
+  if (json.is_boolean()) return json.get<bool>();
+  if (json.is_string()) return json.get<std::string>();
+  if (json.is_number_float()) return json.get<double>();
+  if (json.is_number_unsigned()) return json.get<uint64_t>();
+  if (json.is_number()) return json.get<int64_t>();
+  std::vector<double> numbers;
+  append(option, json, numbers);
+  return numbers;
+}
+
+Json parsed(const char* text) {
+  Json json = Json::parse(text, nullptr, false);
+  if (json.is_discarded()) throw Error(ErrorCode::Usage, "the text is no JSON");
+  return json;
+}
+
+/// Returns a number by keys with dots between them. Throws `Error(Usage)` if there is none.
+double numberIn(const Json& json, const std::string& keys) {
+  std::string path = "/" + keys;
+  std::ranges::replace(path, '.', '/');
+  const Json::json_pointer pointer(path);
+  const Json found = json.contains(pointer) ? json.at(pointer) : Json("");
+  if (found.is_number()) return found.get<double>();
+  if (found.is_boolean()) return found.get<bool>() ? 1.0 : 0.0;
+  if (found.is_null()) return std::numeric_limits<double>::quiet_NaN();
+  throw Error(ErrorCode::Usage, "the JSON has no number '" + keys + "'");
 }
 
 }  // namespace
+
+char* raymap::c::ownText(const std::string& text) {
+  char* copy = static_cast<char*>(std::malloc(text.size() + 1));
+  if (!copy) throw std::bad_alloc();
+  std::memcpy(copy, text.c_str(), text.size() + 1);
+  return copy;
+}
+
+raymap_result raymap_json_number(const char* json, const char* keys, double* number) {
+  return guard([&] {
+    need(number, "the number") = numberIn(parsed(&need(json, "the JSON")), &need(keys, "the keys"));
+  });
+}
 
 raymap_options* raymap_options_create(void) {
   return create([] { return std::make_unique<raymap_options>(); });
@@ -90,29 +92,35 @@ void raymap_options_free(raymap_options* options) {
 }
 
 raymap_result raymap_options_set_text(raymap_options* options, const char* option, const char* value) {
-  return guard([&] {
-    setText(need(options, "the handle of options"), &need(option, "the option"), &need(value, "the value"));
-  });
+  return set(options, option, [&] { return std::string(&need(value, "the value")); });
 }
 
 raymap_result raymap_options_set_number(raymap_options* options, const char* option, double value) {
-  return guard(
-      [&] { setNumber(need(options, "the handle of options"), &need(option, "the option"), value); });
+  return set(options, option, [&] { return value; });
 }
 
-raymap_result raymap_options_set_offsets(raymap_options* options, const int32_t* offsets, size_t count) {
+raymap_result raymap_options_set_numbers(raymap_options* options, const char* option, const double* values,
+                                         size_t count) {
+  return set(options, option, [&] {
+    if (count > 0) need(values, "the array of values");
+    return std::vector<double>(values, values + count);
+  });
+}
+
+raymap_result raymap_options_set_json(raymap_options* options, const char* json) {
   return guard([&] {
-    std::vector<glm::ivec3>& points = need(options, "the handle of options").field.offsets;
-    if (count > 0) need(offsets, "the array of offsets");
-    points.resize(count);
-    for (size_t p = 0; p < count; ++p) points[p] = {offsets[3 * p], offsets[3 * p + 1], offsets[3 * p + 2]};
+    AllOptions changed = allOf(options);
+    const Json given = parsed(&need(json, "the JSON"));
+    if (!given.is_object()) throw Error(ErrorCode::Usage, "the JSON is no object");
+    for (const auto& [option, value] : given.items()) setOption(changed, option, valueOf(option, value));
+    options->all = std::move(changed);
   });
 }
 
 raymap_result raymap_options_set_progress(raymap_options* options, raymap_progress_callback callback,
                                           void* user) {
   return guard([&] {
-    ProgressCallback& progress = need(options, "the handle of options").machine.progress;
+    ProgressCallback& progress = allOf(options).machine.progress;
     progress = nullptr;
     if (callback)
       progress = [callback, user](std::string_view stage, double done) {
@@ -124,7 +132,7 @@ raymap_result raymap_options_set_progress(raymap_options* options, raymap_progre
 raymap_result raymap_options_set_warning(raymap_options* options, raymap_warning_callback callback,
                                          void* user) {
   return guard([&] {
-    WarningCallback& warn = need(options, "the handle of options").machine.warn;
+    WarningCallback& warn = allOf(options).machine.warn;
     warn = nullptr;
     if (callback)
       warn = [callback, user](const Warning& warning) {

@@ -22,16 +22,12 @@ raymap_result refusePictures() {
     return refusePictures(), nullptr; \
   }
 
-RETURN_NULL(raymap_render_field(const raymap_field*, const raymap_view*, const raymap_options*))
-RETURN_NULL(raymap_render_sparse_field(const raymap_sparse_field*, const raymap_view*, const raymap_options*))
-RETURN_NULL(raymap_render_defects(const raymap_mesh*, const raymap_view*, const raymap_options*))
-RETURN_NULL(raymap_render_slice(const raymap_field*, int32_t, int32_t, int32_t, const char*))
-RETURN_NULL(raymap_render_sparse_slice(const raymap_sparse_field*, int32_t, int32_t, int32_t, const char*))
+RETURN_NULL(raymap_render_field(const raymap_field*, const raymap_options*))
+RETURN_NULL(raymap_render_defects(const raymap_mesh*, const raymap_options*))
+RETURN_NULL(raymap_render_slice(const raymap_field*, int32_t, int32_t, const raymap_options*))
 REFUSE(raymap_picture_write_png(const raymap_picture*, const char*))
-REFUSE(raymap_write_page(const raymap_field*, const char*, const raymap_view*, const raymap_page_options*,
+REFUSE(raymap_write_page(const raymap_field*, const char*, const raymap_mesh*, const raymap_field*,
                          const raymap_options*))
-REFUSE(raymap_write_sparse_page(const raymap_sparse_field*, const char*, const raymap_view*,
-                                const raymap_page_options*, const raymap_options*))
 
 // There is no picture to ask.
 void raymap_picture_free(raymap_picture*) {}

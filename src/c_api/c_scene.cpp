@@ -65,12 +65,7 @@ raymap_result raymap_scene_add_surface(raymap_scene* scene, const char* name, co
 
 raymap_result raymap_scene_add_field(raymap_scene* scene, const char* name, const raymap_field* field,
                                      const double pose[16]) {
-  return guard([&] { add(scene, name, need(field, "the field").field, pose); });
-}
-
-raymap_result raymap_scene_add_sparse_field(raymap_scene* scene, const char* name,
-                                            const raymap_sparse_field* field, const double pose[16]) {
-  return guard([&] { add(scene, name, need(field, "the field").field, pose); });
+  return guard([&] { c::visitField(field, [&](const auto& each) { add(scene, name, each, pose); }); });
 }
 
 raymap_result raymap_scene_remove(raymap_scene* scene, const char* name) {
@@ -101,14 +96,14 @@ raymap_result raymap_scene_query(const raymap_scene* scene, const double* points
     const raymap_scene_arrays wanted = c::read(arrays);
     if (count > 0) need(points, "the array of points");
     if (wanted.without_count > 0) need(wanted.without, "the array of bodies to leave out");
-    SceneOptions how{.distance = wanted.distance != nullptr,
-                     .body = wanted.body != nullptr,
-                     .closest = wanted.closest != nullptr,
-                     .gradient = wanted.gradient != nullptr,
-                     .distances = wanted.distances != nullptr,
-                     .triangle = wanted.triangle != nullptr,
-                     .without = {wanted.without, wanted.without_count}};
-    if (wanted.max_distance != 0.0) how.maxDistance = wanted.max_distance;
+    const SceneOptions how{.distance = wanted.distance != nullptr,
+                           .body = wanted.body != nullptr,
+                           .closest = wanted.closest != nullptr,
+                           .gradient = wanted.gradient != nullptr,
+                           .distances = wanted.distances != nullptr,
+                           .triangle = wanted.triangle != nullptr,
+                           .maxDistance = c::optionsOr(options).scene.maxDistance,
+                           .without = {wanted.without, wanted.without_count}};
     const PointsView view(points, count);
     const MachineOptions& machine = c::optionsOr(options).machine;
     SceneResult found;

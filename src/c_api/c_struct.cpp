@@ -37,12 +37,4 @@ void readStruct(const void* given, void* known, size_t knownSize, size_t firstSi
   std::memcpy(known, given, std::min(size, knownSize));
 }
 
-void writeStruct(const void* known, size_t knownSize, void* given, size_t firstSize, const char* name) {
-  const size_t size = statedSize(given, firstSize, name), shared = std::min(size, knownSize);
-  auto* bytes = static_cast<unsigned char*>(given);
-  std::memcpy(bytes + sizeof size, static_cast<const unsigned char*>(known) + sizeof size,
-              shared - sizeof size);
-  std::memset(bytes + shared, 0, size - shared);
-}
-
 }  // namespace raymap::c

@@ -1,4 +1,4 @@
-// The functions of raymap/c.h about queries at any points, and about points to train with.
+// The functions of raymap/c.h about surfaces: queries, points to train with, regions and narrow bands.
 
 #include <raymap/c.h>
 #include <raymap/sample_points.h>
@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "c_api/c_handles.h"
+#include "c_api/c_report.h"
 #include "c_api/c_struct.h"
 
 using namespace raymap;
@@ -17,28 +18,24 @@ using raymap::c::need;
 
 namespace {
 
-SamplePointsOptions sampleOptions(size_t count, const raymap_sample_points_options* how) {
-  const raymap_sample_points_options given = c::read(how);
-  SamplePointsOptions options{.count = count, .seed = given.seed, .normalize = given.normalize};
-  if (given.has_shares) {
-    options.surfaceShare = given.surface_share;
-    options.nearShare = given.near_share;
-  }
-  if (given.sigmas) options.sigmas.assign(given.sigmas, given.sigmas + given.sigma_count);
-  return options;
+/// Returns the vector behind a pointer to three numbers. Throws `Error(Usage)` that names it if that is null.
+glm::ivec3 samplesOf(const int32_t* numbers, const char* name) {
+  need(numbers, name);
+  return {numbers[0], numbers[1], numbers[2]};
+}
+
+Region regionOf(const int32_t* low, const int32_t* extent) {
+  return {.low = samplesOf(low, "the first sample of the region"),
+          .size = samplesOf(extent, "the extent of the region")};
 }
 
 }  // namespace
 
 raymap_surface* raymap_surface_create(const raymap_mesh* mesh, const raymap_options* options) {
   return create([&] {
-    const raymap_options& given = c::optionsOr(options);
-    return std::make_unique<raymap_surface>(Surface(need(mesh, "the mesh").view,
-                                                    {.sign = given.field.sign,
-                                                     .orientation = given.field.orientation,
-                                                     .threshold = given.field.threshold,
-                                                     .compact = given.isCompact},
-                                                    given.machine));
+    const AllOptions& given = c::optionsOr(options);
+    return std::make_unique<raymap_surface>(
+        Surface(need(mesh, "the mesh").view, given.surface, given.machine));
   });
 }
 
@@ -50,16 +47,12 @@ size_t raymap_surface_bytes(const raymap_surface* surface) {
   return surface ? surface->surface.bytes() : 0;
 }
 
-raymap_result raymap_surface_stats(const raymap_surface* surface, raymap_stats* stats) {
-  return guard([&] {
-    const Stats& found = need(surface, "the surface").surface.stats();
-    c::write(c::toC(found), stats);
-  });
+char* raymap_surface_json(const raymap_surface* surface) {
+  return c::report([&] { return toJson(need(surface, "the surface").surface.stats()); });
 }
 
 raymap_result raymap_surface_query(const raymap_surface* surface, const double* points, size_t count,
-                                   double maxDistance, const raymap_options* options,
-                                   const raymap_query_arrays* arrays) {
+                                   const raymap_options* options, const raymap_query_arrays* arrays) {
   return guard([&] {
     const Surface& queried = need(surface, "the surface").surface;
     need(arrays, "raymap_query_arrays");
@@ -72,7 +65,7 @@ raymap_result raymap_surface_query(const raymap_surface* surface, const double* 
                            .direction = wanted.direction != nullptr,
                            .winding = wanted.winding != nullptr,
                            .confidence = wanted.confidence != nullptr,
-                           .maxDistance = c::limitOr(maxDistance)};
+                           .maxDistance = c::optionsOr(options).query.maxDistance};
     const QueryResult found = queried.query(PointsView(points, count), how, c::optionsOr(options).machine);
     copyTo(wanted.distance, found.distance);
     copyTo(wanted.closest, found.closest);
@@ -85,8 +78,8 @@ raymap_result raymap_surface_query(const raymap_surface* surface, const double* 
 }
 
 raymap_result raymap_surface_thickness(const raymap_surface* surface, const double* points,
-                                       const uint32_t* triangles, size_t count, double maxThickness,
-                                       const raymap_options* options, const raymap_thickness_arrays* arrays) {
+                                       const uint32_t* triangles, size_t count, const raymap_options* options,
+                                       const raymap_thickness_arrays* arrays) {
   return guard([&] {
     const Surface& measured = need(surface, "the surface").surface;
     need(arrays, "raymap_thickness_arrays");
@@ -99,7 +92,7 @@ raymap_result raymap_surface_thickness(const raymap_surface* surface, const doub
     for (size_t p = 0; p < count; ++p)
       places[p] = {{points[3 * p], points[3 * p + 1], points[3 * p + 2]}, triangles[p]};
     const std::vector<Thickness> found =
-        measured.thickness(places, {.maxThickness = c::limitOr(maxThickness)}, c::optionsOr(options).machine);
+        measured.thickness(places, c::optionsOr(options).thickness, c::optionsOr(options).machine);
     for (size_t p = 0; p < count; ++p) {
       if (wanted.diameter) wanted.diameter[p] = found[p].diameter;
       if (wanted.part) wanted.part[p] = int32_t(found[p].part);
@@ -108,19 +101,59 @@ raymap_result raymap_surface_thickness(const raymap_surface* surface, const doub
   });
 }
 
-raymap_result raymap_sample_points(const raymap_surface* surface, size_t count,
-                                   const raymap_sample_points_options* how, const raymap_options* options,
+raymap_result raymap_sample_points(const raymap_surface* surface, size_t count, const raymap_options* options,
                                    const raymap_point_sample_arrays* arrays) {
   return guard([&] {
     const Surface& sampled = need(surface, "the surface").surface;
     need(arrays, "raymap_point_sample_arrays");
     const raymap_point_sample_arrays wanted = c::read(arrays);
-    const PointSamples found =
-        samplePoints(sampled, sampleOptions(count, how), c::optionsOr(options).machine);
+    SamplePointsOptions how = c::optionsOr(options).samples;
+    how.count = count;
+    const PointSamples found = samplePoints(sampled, how, c::optionsOr(options).machine);
     copyTo(wanted.points, found.points);
     copyTo(wanted.distance, found.distance);
     copyTo(wanted.gradient, found.gradient);
     if (wanted.centre) c::copyVector(found.centre, wanted.centre);
     if (wanted.scale) *wanted.scale = found.scale;
+  });
+}
+
+raymap_field* raymap_surface_generate_region(const raymap_surface* surface, const raymap_grid* lattice,
+                                             const int32_t low[3], const int32_t extent[3],
+                                             const raymap_options* options) {
+  return create([&] {
+    const Surface& made = need(surface, "the surface").surface;
+    return c::ownField(made.generateRegion(c::fromC(need(lattice, "the lattice")), regionOf(low, extent),
+                                           c::optionsOr(options).region, c::optionsOr(options).machine));
+  });
+}
+
+raymap_result raymap_surface_far_distance(const raymap_surface* surface, const raymap_grid* lattice,
+                                          const int32_t low[3], const int32_t extent[3],
+                                          const raymap_options* options, double* distance) {
+  return guard([&] {
+    const Surface& made = need(surface, "the surface").surface;
+    need(distance, "the distance") = made.farDistance(c::fromC(need(lattice, "the lattice")),
+                                                      regionOf(low, extent), c::optionsOr(options).region)
+                                         .value_or(NAN);
+  });
+}
+
+raymap_result raymap_surface_region_bytes(const raymap_surface* surface, const int32_t extent[3],
+                                          const raymap_options* options, size_t* bytes) {
+  return guard([&] {
+    need(bytes, "the number of bytes") =
+        need(surface, "the surface")
+            .surface.regionBytes(samplesOf(extent, "the extent of the region"), c::optionsOr(options).region,
+                                 c::optionsOr(options).machine);
+  });
+}
+
+raymap_field* raymap_surface_generate_band(const raymap_surface* surface, const raymap_grid* grid,
+                                           const raymap_options* options) {
+  return create([&] {
+    return c::ownField(need(surface, "the surface")
+                           .surface.generateBand(c::fromC(need(grid, "the grid")), c::optionsOr(options).band,
+                                                 c::optionsOr(options).machine));
   });
 }

@@ -40,50 +40,57 @@ static raymap_mesh* make_tetrahedron(void) {
   return mesh;
 }
 
+static raymap_options* with(const char* json) {
+  raymap_options* options = raymap_options_create();
+  CHECK(options != NULL);
+  CHECK(raymap_options_set_json(options, json) == RAYMAP_OK);
+  return options;
+}
+
+/* Returns a number of a report. */
+static double number_in(const char* json, const char* keys) {
+  double number = -1.0;
+  CHECK(raymap_json_number(json, keys, &number) == RAYMAP_OK);
+  return number;
+}
+
 static raymap_grid fit(const raymap_mesh* mesh) {
-  raymap_grid_options options = RAYMAP_INIT(raymap_grid_options);
+  raymap_options* options = with("{\"resolution\": 21}");
   raymap_grid grid;
-  options.resolution = 21;
-  CHECK(raymap_fit_grid(mesh, &options, &grid) == RAYMAP_OK);
+  CHECK(raymap_fit_grid(mesh, options, &grid) == RAYMAP_OK);
   CHECK(grid.dims[0] == 21 && grid.spacing > 0.0);
+  raymap_options_free(options);
   return grid;
 }
 
 /* The side of the tetrahedron's bounds is 2 long. */
 static void test_grid_options(void) {
   raymap_mesh* mesh = make_tetrahedron();
-  raymap_grid_options options = RAYMAP_INIT(raymap_grid_options);
+  raymap_options* options = raymap_options_create();
   raymap_grid grid;
   CHECK(raymap_fit_grid(mesh, NULL, &grid) == RAYMAP_OK && grid.dims[0] == 128);
   CHECK(fabs(grid.spacing * 128 - 2.4) < 1e-9);
-  CHECK(raymap_fit_grid(mesh, &options, &grid) == RAYMAP_OK && fabs(grid.spacing * 128 - 2.4) < 1e-9);
-  options.thickness = 1.0;
-  CHECK(raymap_fit_grid(mesh, &options, &grid) == RAYMAP_OK && fabs(grid.spacing * 128 - 3.4) < 1e-9);
-  options.thickness = 0.0;
-  options.has_padding = true;
-  CHECK(raymap_fit_grid(mesh, &options, &grid) == RAYMAP_OK && fabs(grid.spacing * 128 - 2.0) < 1e-9);
-  options.has_box = true;
-  options.box_min[1] = 3.0;
-  options.box_max[0] = options.box_max[2] = 1.0;
-  options.box_max[1] = 7.0;
-  CHECK(raymap_fit_grid(mesh, &options, &grid) == RAYMAP_OK && grid.dims[1] == 128);
+  CHECK(raymap_fit_grid(mesh, options, &grid) == RAYMAP_OK && fabs(grid.spacing * 128 - 2.4) < 1e-9);
+  CHECK(raymap_options_set_number(options, "thickness", 1.0) == RAYMAP_OK);
+  CHECK(raymap_fit_grid(mesh, options, &grid) == RAYMAP_OK && fabs(grid.spacing * 128 - 3.4) < 1e-9);
+  CHECK(raymap_options_set_json(options, "{\"thickness\": 0, \"padding\": 0}") == RAYMAP_OK);
+  CHECK(raymap_fit_grid(mesh, options, &grid) == RAYMAP_OK && fabs(grid.spacing * 128 - 2.0) < 1e-9);
+  const double box[6] = {0, 3, 0, 1, 7, 1};
+  CHECK(raymap_options_set_numbers(options, "bounds", box, 6) == RAYMAP_OK);
+  CHECK(raymap_fit_grid(mesh, options, &grid) == RAYMAP_OK && grid.dims[1] == 128);
   CHECK(fabs(grid.origin[1] - 3.0 - grid.spacing / 2) < 1e-9 && fabs(grid.spacing * 128 - 4.0) < 1e-9);
-  options.voxel_size = 0.5;
-  CHECK(raymap_fit_grid(mesh, &options, &grid) == RAYMAP_OK && grid.dims[1] == 8 && grid.spacing == 0.5);
-  options.align = true; /* Cells about samples 0 to 14 cover 3 to 7. */
-  CHECK(raymap_fit_grid(mesh, &options, &grid) == RAYMAP_OK && grid.dims[1] == 15 && grid.origin[1] == 0.0);
-  options.align = false;
-  options.dims[0] = options.dims[1] = options.dims[2] = 3; /* The centre of the box is (0.5, 5, 0.5). */
-  CHECK(raymap_fit_grid(mesh, &options, &grid) == RAYMAP_OK && grid.dims[1] == 3 && grid.spacing == 0.5);
+  CHECK(raymap_options_set_number(options, "voxel_size", 0.5) == RAYMAP_OK);
+  CHECK(raymap_fit_grid(mesh, options, &grid) == RAYMAP_OK && grid.dims[1] == 8 && grid.spacing == 0.5);
+  CHECK(raymap_options_set_number(options, "align", 1) == RAYMAP_OK); /* Cells about samples 0 to 14 cover 3 to 7. */
+  CHECK(raymap_fit_grid(mesh, options, &grid) == RAYMAP_OK && grid.dims[1] == 15 && grid.origin[1] == 0.0);
+  /* The centre of the box is (0.5, 5, 0.5). */
+  CHECK(raymap_options_set_json(options, "{\"align\": false, \"shape\": [3, 3, 3]}") == RAYMAP_OK);
+  CHECK(raymap_fit_grid(mesh, options, &grid) == RAYMAP_OK && grid.dims[1] == 3 && grid.spacing == 0.5);
   CHECK(grid.origin[0] == 0.0 && grid.origin[1] == 4.5);
-  options.voxel_size = 0.0;
-  CHECK(raymap_fit_grid(mesh, &options, &grid) == RAYMAP_OK && grid.dims[0] == 3 && grid.dims[2] == 3);
+  CHECK(raymap_options_set_number(options, "voxel_size", 0.0) == RAYMAP_OK);
+  CHECK(raymap_fit_grid(mesh, options, &grid) == RAYMAP_OK && grid.dims[0] == 3 && grid.dims[2] == 3);
   CHECK(fabs(grid.spacing - 4.0 / 3) < 1e-9 && fabs(grid.origin[1] - 5.0 + 4.0 / 3) < 1e-9);
-  options.dims[1] = 0;
-  CHECK_FAILS(raymap_fit_grid(mesh, &options, &grid), RAYMAP_ERROR_USAGE, "not 3 x 0 x 3");
-  options.dims[0] = options.dims[2] = 0;
-  options.resolution = -3;
-  CHECK(raymap_fit_grid(mesh, &options, &grid) == RAYMAP_ERROR_USAGE);
+  raymap_options_free(options);
   raymap_mesh_free(mesh);
 }
 
@@ -163,11 +170,19 @@ static void test_field(void) {
   CHECK(raymap_field_triangle(field)[0] < 4);
   CHECK(raymap_field_confidence(field) == NULL);
   CHECK(raymap_field_clamp_distance(field) == 0.0);
-  CHECK(strcmp(raymap_field_device(field), "cpu") == 0);
-  raymap_stats stats = RAYMAP_INIT(raymap_stats);
-  CHECK(raymap_field_stats(field, &stats) == RAYMAP_OK);
-  CHECK(stats.bytes > sample_count(&grid) * sizeof(float) && stats.milliseconds > 0.0);
-  CHECK(stats.doubtful_share == 0.0 && stats.turned_faces == 0 && stats.orientation_fits);
+  CHECK(!raymap_field_is_narrow(field) && raymap_field_leaf_count(field) == 0 && raymap_field_tile_count(field) == 0);
+  CHECK(raymap_field_leaves(field) == NULL && raymap_field_tiles(field) == NULL);
+  char* stats = raymap_field_json(field);
+  CHECK(strstr(stats, "\"device\": \"cpu\"") != NULL && strstr(stats, "\"active\"") == NULL);
+  CHECK(number_in(stats, "bytes") > (double)(sample_count(&grid) * sizeof(float)));
+  CHECK(number_in(stats, "milliseconds") > 0.0 && number_in(stats, "stages.0.milliseconds") >= 0.0);
+  CHECK(number_in(stats, "doubtful_share") == 0.0 && number_in(stats, "turned_faces") == 0.0);
+  CHECK(number_in(stats, "orientation_fits") == 1.0);
+  CHECK_FAILS(raymap_json_number(stats, "device", &(double){0}), RAYMAP_ERROR_USAGE, "no number 'device'");
+  CHECK_FAILS(raymap_json_number(stats, "stages.99", &(double){0}), RAYMAP_ERROR_USAGE, "no number 'stages.99'");
+  CHECK_FAILS(raymap_json_number("{", "a", &(double){0}), RAYMAP_ERROR_USAGE, "no JSON");
+  CHECK(isnan(number_in("{\"a\": null}", "a")));
+  raymap_text_free(stats);
 
   /* Positions and the numbers of a sample agree. */
   const double points[2][3] = {{grid.origin[0], grid.origin[1], grid.origin[2]}, {0, 0, 0}};
@@ -194,9 +209,10 @@ static void test_field(void) {
     CHECK(raymap_generator_run(generator, mesh, &grid, options, other) == RAYMAP_OK);
   CHECK(memcmp(raymap_field_distance(other), distance, sample_count(&grid) * sizeof(float)) == 0);
 
-  raymap_mesh* surface = raymap_isosurface(field, 0.0, NULL);
+  raymap_mesh* surface = raymap_isosurface(field, NULL);
   CHECK(raymap_mesh_triangle_count(surface) > 100);
-  CHECK_FAILS(raymap_isosurface(field, -50.0, options), RAYMAP_ERROR_USAGE, "no surface at -50");
+  CHECK(raymap_options_set_number(options, "iso", -50.0) == RAYMAP_OK);
+  CHECK_FAILS(raymap_isosurface(field, options), RAYMAP_ERROR_USAGE, "no surface at -50");
 
   raymap_mesh_free(surface);
   raymap_field_free(other);
@@ -211,42 +227,33 @@ static void test_field(void) {
 static void check_sample_points(const raymap_surface* surface) {
   enum { COUNT = 200 };
   static double points[COUNT][3], distance[COUNT], gradient[COUNT][3], queried[COUNT];
-  const double sigma = 0.1;
   double centre[3] = {9, 9, 9}, scale = 0, first;
-  raymap_sample_points_options how = RAYMAP_INIT(raymap_sample_points_options);
-  how.has_shares = true;
-  how.surface_share = 0.25;
-  how.near_share = 0.5;
-  how.sigmas = &sigma;
-  how.sigma_count = 1;
+  raymap_options* how = with("{\"surface_share\": 0.25, \"near_share\": 0.5, \"sigmas\": [0.1]}");
   raymap_point_sample_arrays arrays = {sizeof(arrays), &points[0][0], distance, &gradient[0][0], centre, &scale};
-  CHECK(raymap_sample_points(surface, COUNT, &how, NULL, &arrays) == RAYMAP_OK);
+  CHECK(raymap_sample_points(surface, COUNT, how, &arrays) == RAYMAP_OK);
   CHECK(scale == 1.0 && centre[0] == 0.0 && centre[2] == 0.0);
   raymap_query_arrays asked = RAYMAP_INIT(raymap_query_arrays);
   asked.distance = queried;
-  CHECK(raymap_surface_query(surface, &points[0][0], COUNT, 0.0, NULL, &asked) == RAYMAP_OK);
+  CHECK(raymap_surface_query(surface, &points[0][0], COUNT, NULL, &asked) == RAYMAP_OK);
   for (int i = 0; i < COUNT; ++i) {
     CHECK(i < COUNT / 4 ? distance[i] == 0.0 && fabs(queried[i]) < 1e-6 : distance[i] == queried[i]);
     const double* g = gradient[i];
     CHECK(fabs(g[0] * g[0] + g[1] * g[1] + g[2] * g[2] - 1.0) < 1e-9);
   }
   first = points[0][0];
-  how.seed = 1;
-  how.normalize = true;
+  CHECK(raymap_options_set_json(how, "{\"seed\": 1, \"normalize\": true}") == RAYMAP_OK);
   arrays.distance = arrays.gradient = arrays.centre = NULL;
-  CHECK(raymap_sample_points(surface, COUNT, &how, NULL, &arrays) == RAYMAP_OK);
+  CHECK(raymap_sample_points(surface, COUNT, how, &arrays) == RAYMAP_OK);
   CHECK(scale != 1.0 && points[0][0] != first);
-  how.near_share = 2.0;
-  CHECK_FAILS(raymap_sample_points(surface, COUNT, &how, NULL, &arrays), RAYMAP_ERROR_USAGE,
+  CHECK(raymap_options_set_number(how, "near_share", 2.0) == RAYMAP_OK);
+  CHECK_FAILS(raymap_sample_points(surface, COUNT, how, &arrays), RAYMAP_ERROR_USAGE,
               "near must be a share from 0 to 1, not 2");
   arrays.distance = distance;
-  CHECK(raymap_sample_points(surface, 50, NULL, NULL, &arrays) == RAYMAP_OK);
+  CHECK(raymap_sample_points(surface, 50, NULL, &arrays) == RAYMAP_OK);
   for (int i = 0; i < 47; ++i) CHECK(fabs(distance[i]) < 0.0025 * 6 * sqrt(3.0)); /* The default is near. */
-  how.size = 3;
-  CHECK_FAILS(raymap_sample_points(surface, 1, &how, NULL, &arrays), RAYMAP_ERROR_USAGE,
-              "the size of a raymap_sample_points_options is 3");
+  raymap_options_free(how);
   arrays.size = 0;
-  CHECK_FAILS(raymap_sample_points(surface, 1, NULL, NULL, &arrays), RAYMAP_ERROR_USAGE,
+  CHECK_FAILS(raymap_sample_points(surface, 1, NULL, &arrays), RAYMAP_ERROR_USAGE,
               "the size of a raymap_point_sample_arrays is 0");
 }
 
@@ -256,9 +263,9 @@ static void test_surface(void) {
   raymap_surface* surface = raymap_surface_create(mesh, options);
   raymap_mesh_free(mesh);
   CHECK(surface != NULL && raymap_surface_bytes(surface) > 1000);
-  raymap_stats stats = RAYMAP_INIT(raymap_stats);
-  CHECK(raymap_surface_stats(surface, &stats) == RAYMAP_OK);
-  CHECK(stats.turned_faces == 0 && stats.milliseconds > 0.0);
+  char* stats = raymap_surface_json(surface);
+  CHECK(number_in(stats, "turned_faces") == 0.0 && number_in(stats, "milliseconds") > 0.0);
+  raymap_text_free(stats);
 
   const double points[4][3] = {{0, 0, 0}, {2, 2, 2}, {NAN, 0, 0}, {0, 0, 20}};
   double distance[4], closest[4][3], barycentric[4][3], direction[4][3];
@@ -272,7 +279,8 @@ static void test_surface(void) {
   arrays.direction = &direction[0][0];
   arrays.winding = winding;
   arrays.confidence = confidence;
-  CHECK(raymap_surface_query(surface, &points[0][0], 4, 10.0, options, &arrays) == RAYMAP_OK);
+  CHECK(raymap_options_set_number(options, "max_distance", 10.0) == RAYMAP_OK);
+  CHECK(raymap_surface_query(surface, &points[0][0], 4, options, &arrays) == RAYMAP_OK);
   CHECK(fabs(distance[0] + sqrt(1.0 / 3.0)) < 1e-6 && fabs(distance[1] - sqrt(3.0)) < 1e-6);
   CHECK(isnan(distance[2]) && distance[3] == 10.0);
   for (int a = 0; a < 3; ++a) {
@@ -283,21 +291,21 @@ static void test_surface(void) {
   CHECK(fabs(barycentric[0][0] - 1.0 / 3.0) < 1e-6);
   CHECK(fabs(barycentric[1][0] + barycentric[1][1] + barycentric[1][2] - 1.0) < 1e-12);
   CHECK(winding[0] == 1.0f && winding[1] == 0.0f && confidence[0] > 0.9f);
-  CHECK(raymap_surface_query(surface, &points[3][0], 1, 0.0, NULL, &arrays) == RAYMAP_OK);
+  CHECK(raymap_surface_query(surface, &points[3][0], 1, NULL, &arrays) == RAYMAP_OK);
   CHECK(distance[0] > 18.0);
-  CHECK(raymap_surface_query(surface, NULL, 0, 0.0, NULL, &arrays) == RAYMAP_OK);
-  CHECK_FAILS(raymap_surface_query(surface, &points[0][0], 1, -1.0, NULL, &arrays), RAYMAP_ERROR_USAGE,
-              "the largest distance must be positive");
+  CHECK(raymap_surface_query(surface, NULL, 0, NULL, &arrays) == RAYMAP_OK);
+  CHECK_FAILS(raymap_options_set_number(options, "max_distance", -1.0), RAYMAP_ERROR_USAGE,
+              "max_distance must be above 0, not -1");
   check_sample_points(surface);
   raymap_surface_free(surface);
 
   mesh = make_tetrahedron();
   CHECK(raymap_options_set_text(options, "sign", "none") == RAYMAP_OK);
   surface = raymap_surface_create(mesh, options);
-  CHECK_FAILS(raymap_surface_query(surface, &points[0][0], 1, 0.0, NULL, &arrays), RAYMAP_ERROR_USAGE,
+  CHECK_FAILS(raymap_surface_query(surface, &points[0][0], 1, NULL, &arrays), RAYMAP_ERROR_USAGE,
               "made without a sign");
   arrays.winding = arrays.confidence = NULL;
-  CHECK(raymap_surface_query(surface, &points[0][0], 1, 0.0, NULL, &arrays) == RAYMAP_OK &&
+  CHECK(raymap_surface_query(surface, &points[0][0], 1, NULL, &arrays) == RAYMAP_OK &&
         distance[0] > 0.5);
   raymap_surface_free(surface);
   CHECK(raymap_options_set_text(options, "sign", "rays") == RAYMAP_OK);
@@ -311,12 +319,11 @@ static void test_scene(void) {
   raymap_mesh* mesh = make_tetrahedron();
   raymap_surface* surface = raymap_surface_create(mesh, NULL);
   raymap_options* options = on_cpu();
-  raymap_grid_options size = RAYMAP_INIT(raymap_grid_options);
-  size.resolution = 24;
   raymap_grid grid;
-  CHECK(raymap_fit_grid(mesh, &size, &grid) == RAYMAP_OK);
+  CHECK(raymap_options_set_number(options, "resolution", 24) == RAYMAP_OK);
+  CHECK(raymap_fit_grid(mesh, options, &grid) == RAYMAP_OK);
   raymap_field* field = raymap_generate(mesh, &grid, options);
-  raymap_sparse_field* band = raymap_field_to_sparse(field, NULL, NULL);
+  raymap_field* band = raymap_field_to_narrow(field, NULL);
   const double beside[16] = {1, 0, 0, 20, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
   const double turned[16] = {0, -1, 0, 40, 1, 0, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
 
@@ -324,7 +331,7 @@ static void test_scene(void) {
   CHECK(raymap_scene_size(scene) == 0 && raymap_scene_size(NULL) == 0);
   CHECK(raymap_scene_add_surface(scene, "surface", surface, NULL) == RAYMAP_OK);
   CHECK(raymap_scene_add_field(scene, "field", field, beside) == RAYMAP_OK);
-  CHECK(raymap_scene_add_sparse_field(scene, "band", band, turned) == RAYMAP_OK);
+  CHECK(raymap_scene_add_field(scene, "band", band, turned) == RAYMAP_OK);
   uint32_t number = 0;
   CHECK(raymap_scene_number(scene, "band", &number) == RAYMAP_OK && number == 2);
   CHECK_FAILS(raymap_scene_number(scene, "arm", &number), RAYMAP_ERROR_USAGE, "no body 'arm'");
@@ -356,19 +363,16 @@ static void test_scene(void) {
   CHECK(raymap_scene_query(scene, &points[0][0], 2, NULL, options, &arrays) == RAYMAP_OK);
   CHECK(body[0] == 1 && body[1] == 1 && distances[0][0] != distances[0][0] && triangle[1] == UINT32_MAX);
   arrays.without_count = 0;
-  arrays.max_distance = 0.5;
+  CHECK(raymap_options_set_number(options, "max_distance", 0.5) == RAYMAP_OK);
   CHECK(raymap_scene_query(scene, &points[0][0], 2, NULL, options, &arrays) == RAYMAP_OK);
   CHECK(body[0] == UINT32_MAX && distance[0] == 0.5 && distances[1][0] == 0.5);
-  arrays.max_distance = -1.0;
-  CHECK_FAILS(raymap_scene_query(scene, &points[0][0], 2, NULL, options, &arrays), RAYMAP_ERROR_USAGE,
-              "must be above 0, not -1");
-  arrays.max_distance = 0.0;
-  CHECK(raymap_scene_query(scene, &points[0][0], 2, NULL, options, &arrays) == RAYMAP_OK);
+  CHECK(raymap_scene_query(scene, &points[0][0], 2, NULL, NULL, &arrays) == RAYMAP_OK);
   CHECK(body[0] == 0 && triangle[0] < 4 && triangle[1] == UINT32_MAX);
   arrays.without_count = 1;
   arrays.without = NULL;
   CHECK_FAILS(raymap_scene_query(scene, &points[0][0], 2, NULL, options, &arrays), RAYMAP_ERROR_USAGE,
               "the array of bodies to leave out is NULL");
+  CHECK(raymap_options_set_number(options, "max_distance", INFINITY) == RAYMAP_OK);
 
   double poses[2][2][16]; /* In the first configuration, both change places. */
   memcpy(poses[0][0], beside, sizeof beside);
@@ -399,7 +403,7 @@ static void test_scene(void) {
               "the scene is NULL");
   raymap_scene_free(scene);
   raymap_scene_free(NULL);
-  raymap_sparse_field_free(band);
+  raymap_field_free(band);
   raymap_field_free(field);
   raymap_options_free(options);
   raymap_surface_free(surface);
@@ -409,87 +413,93 @@ static void test_scene(void) {
 /* A narrow band in C, with the triangles: leaves, tiles, widths, and what is made of it. */
 static void test_band(const char* folder) {
   raymap_mesh* mesh = make_tetrahedron();
-  raymap_options* options = on_cpu();
+  raymap_options* options = with("{\"device\": \"cpu\", \"resolution\": 96, \"triangle\": true, \"iso\": 0.01}");
   raymap_surface* surface = raymap_surface_create(mesh, NULL);
-  raymap_grid_options grid_options = RAYMAP_INIT(raymap_grid_options);
   raymap_grid grid, same;
-  grid_options.resolution = 96;
-  CHECK(raymap_fit_grid(mesh, &grid_options, &grid) == RAYMAP_OK);
-  CHECK(raymap_options_set_number(options, "triangle", 1) == RAYMAP_OK);
-  raymap_sparse_field* band = raymap_surface_generate_band(surface, &grid, NULL, options);
-  raymap_sparse_numbers numbers = RAYMAP_INIT(raymap_sparse_numbers);
-  CHECK(raymap_sparse_field_numbers(band, &numbers) == RAYMAP_OK);
-  CHECK(numbers.outside == 3 * grid.spacing && numbers.inside == 3 * grid.spacing);
-  CHECK(numbers.leaves > 100 && numbers.tiles > 0 && numbers.bytes > numbers.leaves * 512 * 8);
-  CHECK(raymap_sparse_field_grid(band, &same) == RAYMAP_OK && same.dims[2] == grid.dims[2]);
+  CHECK(raymap_fit_grid(mesh, options, &grid) == RAYMAP_OK);
+  raymap_field* band = raymap_surface_generate_band(surface, &grid, options);
+  const size_t leaf_count = raymap_field_leaf_count(band);
+  char* json = raymap_field_json(band);
+  const double outside = number_in(json, "outside"), inside = number_in(json, "inside");
+  CHECK(raymap_field_is_narrow(band) && outside == 3 * grid.spacing && inside == 3 * grid.spacing);
+  CHECK(raymap_field_clamp_distance(band) == inside);
+  CHECK(leaf_count > 100 && raymap_field_tile_count(band) > 0);
+  CHECK(number_in(json, "bytes") > (double)(leaf_count * 512 * 8));
+  CHECK(raymap_field_grid(band, &same) == RAYMAP_OK && same.dims[2] == grid.dims[2]);
   CHECK(same.spacing == grid.spacing && same.origin[1] == grid.origin[1]);
-  CHECK(raymap_sparse_field_winding(band) == NULL && raymap_sparse_field_confidence(band) == NULL);
+  CHECK(raymap_field_winding(band) == NULL && raymap_field_confidence(band) == NULL);
 
-  const int32_t *leaves = raymap_sparse_field_leaves(band), *tiles = raymap_sparse_field_tiles(band);
-  const float* distance = raymap_sparse_field_distance(band);
-  const uint32_t* triangle = raymap_sparse_field_triangle(band);
-  uint64_t active = 0;
-  for (uint64_t v = 0; v < numbers.leaves * 512; ++v) {
-    const int is_active = fabs(distance[v]) < (float)numbers.outside;
+  const int32_t *leaves = raymap_field_leaves(band), *tiles = raymap_field_tiles(band);
+  const float* distance = raymap_field_distance(band);
+  const uint32_t* triangle = raymap_field_triangle(band);
+  size_t active = 0;
+  for (size_t v = 0; v < leaf_count * 512; ++v) {
+    const bool is_active = fabs(distance[v]) < (float)outside;
     active += is_active;
     CHECK(is_active ? triangle[v] < 4 : triangle[v] == UINT32_MAX);
   }
-  CHECK(active == numbers.active && leaves[0] % 8 == 0 && tiles[3] % 8 == 0);
+  CHECK((double)active == number_in(json, "active") && leaves[0] % 8 == 0 && tiles[3] % 8 == 0);
+  raymap_text_free(json);
 
-  raymap_field* dense = raymap_sparse_field_to_dense(band, NULL);
+  raymap_field* dense = raymap_field_to_dense(band, NULL);
+  CHECK(!raymap_field_is_narrow(dense));
   const float* all = raymap_field_distance(dense);
-  for (uint64_t l = 0; l < numbers.leaves; ++l) { /* The second sample along x of each leaf. */
+  for (size_t l = 0; l < leaf_count; ++l) { /* The second sample along x of each leaf. */
     const size_t x = (size_t)leaves[3 * l] + 1, y = (size_t)leaves[3 * l + 1], z = (size_t)leaves[3 * l + 2];
     CHECK(all[(z * 96 + y) * 96 + x] == distance[512 * l + 1]);
   }
   const size_t at = ((size_t)tiles[2] * 96 + (size_t)tiles[1]) * 96 + (size_t)tiles[0];
-  CHECK(all[at] == -(float)numbers.inside);
+  CHECK(all[at] == -(float)inside);
 
   const double points[2][3] = {{0.33, 0.33, -0.33}, {9, 9, 9}};
   float values[2], of_dense[2], gradients[2][3];
-  CHECK(raymap_sparse_field_sample(band, &points[0][0], 2, RAYMAP_OUTSIDE_NAN, values, &gradients[0][0]) == RAYMAP_OK);
+  CHECK(raymap_field_sample(band, &points[0][0], 2, RAYMAP_OUTSIDE_NAN, values, &gradients[0][0]) == RAYMAP_OK);
   CHECK(raymap_field_sample(dense, &points[0][0], 2, RAYMAP_OUTSIDE_NAN, of_dense, NULL) == RAYMAP_OK);
   CHECK(values[0] == of_dense[0] && fabs(values[0]) < 0.01 && isnan(values[1]) && gradients[0][0] > 0.5f);
-  CHECK_FAILS(raymap_sparse_field_sample(band, NULL, 2, RAYMAP_OUTSIDE_NAN, values, NULL), RAYMAP_ERROR_USAGE,
+  CHECK_FAILS(raymap_field_sample(band, NULL, 2, RAYMAP_OUTSIDE_NAN, values, NULL), RAYMAP_ERROR_USAGE,
               "the array of points is NULL");
-  raymap_mesh* contour = raymap_sparse_field_isosurface(band, 0.01, NULL);
-  raymap_mesh* contour_of_dense = raymap_isosurface(dense, 0.01, NULL);
+  raymap_mesh* contour = raymap_isosurface(band, options);
+  raymap_mesh* contour_of_dense = raymap_isosurface(dense, options);
   CHECK(raymap_mesh_triangle_count(contour) > 1000);
   CHECK(raymap_mesh_triangle_count(contour) == raymap_mesh_triangle_count(contour_of_dense));
+  CHECK_FAILS(raymap_field_to_dense(dense, NULL), RAYMAP_ERROR_USAGE, "the field is dense");
+  CHECK_FAILS(raymap_field_to_narrow(band, NULL), RAYMAP_ERROR_USAGE, "the field is a narrow band");
 
   char path[4096];
   snprintf(path, sizeof path, "%s/c_api_band.nrrd", folder);
-  CHECK_FAILS(raymap_sparse_field_write(band, path), RAYMAP_ERROR_USAGE, "holds no narrow bands");
+  CHECK_FAILS(raymap_field_write(band, path, NULL), RAYMAP_ERROR_USAGE, "holds no narrow bands");
+  raymap_generator* generator = raymap_generator_create(); /* It makes a dense field of any. */
+  grid = fit(mesh);
+  CHECK(raymap_generator_run(generator, mesh, &grid, options, band) == RAYMAP_OK && !raymap_field_is_narrow(band));
+  raymap_generator_free(generator);
   raymap_mesh_free(contour);
   raymap_mesh_free(contour_of_dense);
   raymap_field_free(dense);
-  raymap_sparse_field_free(band);
+  raymap_field_free(band);
   raymap_surface_free(surface);
   raymap_options_free(options);
   raymap_mesh_free(mesh);
 }
 
-/* Widths come from the struct, else from the option "band", else they are 3. */
 static void test_band_widths(void) {
   raymap_mesh* mesh = make_tetrahedron();
   const raymap_grid grid = fit(mesh);
   raymap_options* options = on_cpu();
   raymap_surface* surface = raymap_surface_create(mesh, NULL);
-  const double cases[][5] = {{0, 0, 0, 3, 3}, {0, 0, 2, 2, 2}, {4, 0, 2, 4, 4}, {0, 1, 2, 2, 1}, {2, INFINITY, 0, 2, INFINITY}};
+  const double cases[][2] = {{4, 4}, {2, 1}, {2, INFINITY}};
   for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
-    raymap_band_options widths = RAYMAP_INIT(raymap_band_options);
-    raymap_sparse_numbers numbers = RAYMAP_INIT(raymap_sparse_numbers);
-    widths.outside = cases[i][0];
-    widths.inside = cases[i][1];
-    CHECK(raymap_options_set_number(options, "band", cases[i][2]) == RAYMAP_OK);
-    raymap_sparse_field* band = raymap_surface_generate_band(surface, &grid, &widths, options);
-    CHECK(raymap_sparse_field_numbers(band, &numbers) == RAYMAP_OK);
-    CHECK(numbers.outside == cases[i][3] * grid.spacing && numbers.inside == cases[i][4] * grid.spacing);
-    raymap_sparse_field_free(band);
-    widths.outside = -1.0;
-    CHECK_FAILS(raymap_surface_generate_band(surface, &grid, &widths, options), RAYMAP_ERROR_USAGE,
-                "the band outside must be positive");
+    CHECK(raymap_options_set_number(options, "outside", cases[i][0]) == RAYMAP_OK);
+    CHECK(raymap_options_set_number(options, "inside", cases[i][1]) == RAYMAP_OK);
+    raymap_field* band = raymap_surface_generate_band(surface, &grid, options);
+    char* json = raymap_field_json(band);
+    CHECK(number_in(json, "outside") == cases[i][0] * grid.spacing);
+    CHECK(isinf(cases[i][1]) ? isnan(number_in(json, "inside")) : number_in(json, "inside") == cases[i][1] * grid.spacing);
+    raymap_text_free(json);
+    raymap_field_free(band);
   }
+  CHECK(raymap_options_set_number(options, "outside", 0.0) == RAYMAP_OK);
+  CHECK_FAILS(raymap_surface_generate_band(surface, &grid, options), RAYMAP_ERROR_USAGE,
+              "the band outside must be positive");
   raymap_options_free(options);
   raymap_surface_free(surface);
   raymap_mesh_free(mesh);
@@ -556,23 +566,19 @@ static void test_threads(void) {
 static void test_options(void) {
   raymap_options* options = raymap_options_create();
   CHECK(raymap_options_set_text(options, "distance", "cell") == RAYMAP_OK);
-  CHECK(raymap_options_set_text(options, "sign", "rays") == RAYMAP_OK);
   CHECK(raymap_options_set_text(options, "sampling", "paper") == RAYMAP_OK);
-  CHECK(raymap_options_set_text(options, "orientation", "keep") == RAYMAP_OK);
-  static const char* const numbers[] = {"passes",       "threshold",    "band",      "thickness",
-                                        "threads",      "memory_limit", "invert",    "close_holes",
-                                        "triangle", "winding",      "confidence", "allow_empty"};
-  for (size_t i = 0; i < sizeof numbers / sizeof numbers[0]; ++i)
-    CHECK(raymap_options_set_number(options, numbers[i], 1) == RAYMAP_OK);
+  CHECK(raymap_options_set_number(options, "threshold", 1) == RAYMAP_OK);
   CHECK_FAILS(raymap_options_set_text(options, "distance", "nearest"), RAYMAP_ERROR_USAGE, "neighbours");
-  CHECK_FAILS(raymap_options_set_text(options, "colour", "red"), RAYMAP_ERROR_USAGE, "orientation");
-  CHECK_FAILS(raymap_options_set_number(options, "threads", 1.5), RAYMAP_ERROR_USAGE, "whole");
-  CHECK_FAILS(raymap_options_set_number(options, "threads", -1), RAYMAP_ERROR_USAGE, "whole");
-  CHECK_FAILS(raymap_options_set_number(options, "invert", 2), RAYMAP_ERROR_USAGE, "0 to 1");
-  CHECK_FAILS(raymap_options_set_number(options, "speed", 2), RAYMAP_ERROR_USAGE, "threshold");
-  CHECK_FAILS(raymap_options_set_text(options, "sampling", "best"), RAYMAP_ERROR_USAGE, "raymap or paper");
-  CHECK_FAILS(raymap_options_set_offsets(options, NULL, 1), RAYMAP_ERROR_USAGE, "offsets");
-  CHECK(raymap_options_set_offsets(options, NULL, 0) == RAYMAP_OK);
+  CHECK_FAILS(raymap_options_set_text(options, "colour", "red"), RAYMAP_ERROR_USAGE, "no option 'colour'");
+  CHECK_FAILS(raymap_options_set_number(options, "speed", 2), RAYMAP_ERROR_USAGE, "no option 'speed'");
+  CHECK_FAILS(raymap_options_set_number(options, "threads", 1.5), RAYMAP_ERROR_USAGE,
+              "threads must be a whole number, not 1.5");
+  CHECK_FAILS(raymap_options_set_numbers(options, "offsets", NULL, 3), RAYMAP_ERROR_USAGE, "values is NULL");
+  CHECK(raymap_options_set_numbers(options, "offsets", NULL, 0) == RAYMAP_OK);
+  CHECK(raymap_options_set_json(options, "{\"bounds\": [[0, 0, 0], [1, 1, 1]], \"seed\": 7, \"cut\": true}") == RAYMAP_OK);
+  CHECK_FAILS(raymap_options_set_json(options, "[]"), RAYMAP_ERROR_USAGE, "no object");
+  CHECK_FAILS(raymap_options_set_json(options, "{"), RAYMAP_ERROR_USAGE, "no JSON");
+  CHECK_FAILS(raymap_options_set_json(options, "{\"down\": [0, \"x\", 1]}"), RAYMAP_ERROR_USAGE, "list of numbers");
   raymap_options_free(options);
 }
 
@@ -616,13 +622,13 @@ static void test_offsets(void) {
   CHECK(raymap_options_set_text(options, "sign", "paths") == RAYMAP_OK);
   const double built_in = sum_of_winding(options);
   CHECK(fabs(built_in - rays) > 1e-3);
-  const int32_t zero[6] = {0, 0, 0, 0, 0, 0};
-  CHECK(raymap_options_set_offsets(options, zero, 2) == RAYMAP_OK);
+  const double zero[6] = {0, 0, 0, 0, 0, 0};
+  CHECK(raymap_options_set_numbers(options, "offsets", zero, 6) == RAYMAP_OK);
   CHECK(fabs(sum_of_winding(options) - rays) < 1e-3);
-  const int32_t far_away[3] = {0, 9, 0};
-  CHECK(raymap_options_set_offsets(options, far_away, 1) == RAYMAP_OK);
+  const double far_away[3] = {0, 9, 0};
+  CHECK(raymap_options_set_numbers(options, "offsets", far_away, 3) == RAYMAP_OK);
   CHECK(fabs(sum_of_winding(options) - rays) > 1e-3);
-  CHECK(raymap_options_set_offsets(options, NULL, 0) == RAYMAP_OK);
+  CHECK(raymap_options_set_numbers(options, "offsets", NULL, 0) == RAYMAP_OK);
   CHECK(sum_of_winding(options) == built_in);
   CHECK(raymap_options_set_text(options, "sampling", "paper") == RAYMAP_OK);
   CHECK(fabs(sum_of_winding(options) - built_in) > 1e-3);
@@ -659,7 +665,7 @@ static void test_callbacks(void) {
   grid.dims[0] = 10; /* Now the solid reaches the box. */
   raymap_field* field = raymap_generate(mesh, &grid, options);
   CHECK(field != NULL && calls.progress > 0 && calls.warnings == 0);
-  raymap_mesh* surface = raymap_isosurface(field, 0.0, options);
+  raymap_mesh* surface = raymap_isosurface(field, options);
   CHECK(surface != NULL && calls.warnings == 1 && strcmp(calls.code, "box_reached") == 0);
   calls.goes_on = false;
   CHECK_FAILS(raymap_generate(mesh, &grid, options), RAYMAP_ERROR_CANCELLED, "cancelled");
@@ -677,76 +683,34 @@ static void test_callbacks(void) {
 
 /* Structs as a later version may have them. */
 typedef struct {
-  raymap_grid_options known;
+  raymap_scene_arrays known;
   int32_t later[2];
-} later_grid_options;
-typedef struct {
-  raymap_findings known;
-  double later[2];
-} later_findings;
+} later_scene_arrays;
 
-/* c_struct_test.cpp tests structs of earlier versions, too. */
 static void test_sizes(void) {
+  raymap_scene* scene = raymap_scene_create();
+  later_scene_arrays arrays = {{.size = sizeof arrays}, {0, 0}};
+  CHECK(raymap_scene_query(scene, NULL, 0, NULL, NULL, &arrays.known) == RAYMAP_OK);
+  arrays.later[1] = 1;
+  CHECK_FAILS(raymap_scene_query(scene, NULL, 0, NULL, NULL, &arrays.known), RAYMAP_ERROR_USAGE,
+              "of a raymap_scene_arrays is not 0");
+  arrays.known.size = sizeof(raymap_scene_arrays);
+  CHECK(raymap_scene_query(scene, NULL, 0, NULL, NULL, &arrays.known) == RAYMAP_OK);
+  arrays.known.size = (size_t)-1;
+  CHECK_FAILS(raymap_scene_query(scene, NULL, 0, NULL, NULL, &arrays.known), RAYMAP_ERROR_USAGE, "the size of a");
+  raymap_scene_free(scene);
+
+  const raymap_mesh_arrays mesh_arrays = {0};
+  CHECK_FAILS(raymap_mesh_from_arrays(&mesh_arrays), RAYMAP_ERROR_USAGE, "RAYMAP_INIT(raymap_mesh_arrays)");
   raymap_mesh* mesh = make_tetrahedron();
-  raymap_grid grid;
-  later_grid_options options = {{.size = sizeof options, .resolution = 20}, {0, 0}};
-  CHECK(raymap_fit_grid(mesh, &options.known, &grid) == RAYMAP_OK && grid.dims[0] == 20);
-  options.later[1] = 1;
-  CHECK_FAILS(raymap_fit_grid(mesh, &options.known, &grid), RAYMAP_ERROR_USAGE,
-              "of a raymap_grid_options is not 0");
-  options.known.size = sizeof(raymap_grid_options);
-  CHECK(raymap_fit_grid(mesh, &options.known, &grid) == RAYMAP_OK);
-  options.known.size = offsetof(raymap_grid_options, align); /* The first version. */
-  CHECK(raymap_fit_grid(mesh, &options.known, &grid) == RAYMAP_OK);
-  options.known.size = offsetof(raymap_grid_options, align) - 1;
-  CHECK_FAILS(raymap_fit_grid(mesh, &options.known, &grid), RAYMAP_ERROR_USAGE,
-              "RAYMAP_INIT(raymap_grid_options)");
-  options.known.size = (size_t)-1;
-  CHECK_FAILS(raymap_fit_grid(mesh, &options.known, &grid), RAYMAP_ERROR_USAGE, "the size of a");
-
-  raymap_inspection* inspection = raymap_inspect(mesh, NULL);
-  later_findings findings = {{.size = sizeof findings}, {7.0, 7.0}};
-  CHECK(raymap_inspection_findings(inspection, &findings.known) == RAYMAP_OK);
-  CHECK(findings.known.size == sizeof findings && findings.known.triangles == 4);
-  CHECK(findings.later[0] == 0.0 && findings.later[1] == 0.0);
-  findings.later[0] = 7.0;
-  findings.known.size = sizeof findings.known;
-  CHECK(raymap_inspection_findings(inspection, &findings.known) == RAYMAP_OK && findings.later[0] == 7.0);
-  raymap_inspection_free(inspection);
-
-  const raymap_mesh_arrays arrays = {0};
-  CHECK_FAILS(raymap_mesh_from_arrays(&arrays), RAYMAP_ERROR_USAGE, "RAYMAP_INIT(raymap_mesh_arrays)");
-  raymap_field* field = raymap_field_create();
-  raymap_stats stats = {0};
-  CHECK_FAILS(raymap_field_stats(field, &stats), RAYMAP_ERROR_USAGE, "RAYMAP_INIT(raymap_stats)");
-  raymap_field_free(field);
   raymap_surface* surface = raymap_surface_create(mesh, NULL);
-  CHECK_FAILS(raymap_surface_stats(surface, &stats), RAYMAP_ERROR_USAGE, "RAYMAP_INIT(raymap_stats)");
   const raymap_query_arrays results = {0};
-  CHECK_FAILS(raymap_surface_query(surface, NULL, 0, 0.0, NULL, &results), RAYMAP_ERROR_USAGE,
+  CHECK_FAILS(raymap_surface_query(surface, NULL, 0, NULL, &results), RAYMAP_ERROR_USAGE,
               "RAYMAP_INIT(raymap_query_arrays)");
   const raymap_thickness_arrays thickness = {0};
-  CHECK_FAILS(raymap_surface_thickness(surface, NULL, NULL, 0, 0.0, NULL, &thickness), RAYMAP_ERROR_USAGE,
+  CHECK_FAILS(raymap_surface_thickness(surface, NULL, NULL, 0, NULL, &thickness), RAYMAP_ERROR_USAGE,
               "RAYMAP_INIT(raymap_thickness_arrays)");
   raymap_surface_free(surface);
-  const raymap_repair_options repair = {0};
-  CHECK_FAILS(raymap_repair(mesh, &grid, &repair, NULL), RAYMAP_ERROR_USAGE, "RAYMAP_INIT(raymap_repair_options)");
-  raymap_repaired* repaired = raymap_repair(mesh, &grid, NULL, NULL);
-  raymap_repair_numbers numbers = {0};
-  CHECK_FAILS(raymap_repaired_numbers(repaired, &numbers), RAYMAP_ERROR_USAGE,
-              "RAYMAP_INIT(raymap_repair_numbers)");
-  raymap_repaired_free(repaired);
-  raymap_simplified simplified = {0};
-  CHECK_FAILS(raymap_simplify(mesh, NULL, NULL, &simplified), RAYMAP_ERROR_USAGE,
-              "RAYMAP_INIT(raymap_simplified)");
-  const raymap_simplify_options how = {0};
-  CHECK_FAILS(raymap_simplify(mesh, &how, NULL, NULL), RAYMAP_ERROR_USAGE, "RAYMAP_INIT(raymap_simplify_options)");
-  const raymap_view view = {0};
-  CHECK_FAILS(raymap_render_defects(mesh, &view, NULL), RAYMAP_ERROR_USAGE, "RAYMAP_INIT(raymap_view)");
-  raymap_devices* devices = raymap_devices_list();
-  raymap_device device = {0};
-  CHECK_FAILS(raymap_devices_get(devices, 0, &device), RAYMAP_ERROR_USAGE, "RAYMAP_INIT(raymap_device)");
-  raymap_devices_free(devices);
   raymap_mesh_free(mesh);
 }
 
@@ -774,49 +738,40 @@ static void test_thickness(void) {
   float diameter[2], inward[2][3];
   int32_t part[2];
   raymap_thickness_arrays arrays = RAYMAP_INIT(raymap_thickness_arrays);
-  CHECK(raymap_surface_thickness(surface, &points[0][0], triangles, 2, 0.0, NULL, &arrays) == RAYMAP_OK);
+  CHECK(raymap_surface_thickness(surface, &points[0][0], triangles, 2, NULL, &arrays) == RAYMAP_OK);
   arrays.diameter = diameter;
   arrays.part = part;
   arrays.inward = &inward[0][0];
-  CHECK(raymap_surface_thickness(surface, &points[0][0], triangles, 2, 0.0, NULL, &arrays) == RAYMAP_OK);
+  CHECK(raymap_surface_thickness(surface, &points[0][0], triangles, 2, NULL, &arrays) == RAYMAP_OK);
   CHECK(part[0] == RAYMAP_PART_WALL && part[1] == RAYMAP_PART_WALL);
   CHECK(fabsf(diameter[0] - 1.0f) < 1e-3f && fabsf(diameter[1] - 1.0f) < 1e-3f);
   CHECK(fabsf(inward[0][2] + 1.0f) < 1e-6f && fabsf(inward[1][2] - 1.0f) < 1e-6f && inward[1][0] == 0.0f);
-  CHECK(raymap_surface_thickness(surface, &points[0][0], triangles, 1, 0.5, NULL, &arrays) == RAYMAP_OK);
+  raymap_options* options = with("{\"max_thickness\": 0.5}");
+  CHECK(raymap_surface_thickness(surface, &points[0][0], triangles, 1, options, &arrays) == RAYMAP_OK);
+  raymap_options_free(options);
   CHECK(part[0] == RAYMAP_PART_SOLID && isinf(diameter[0]) && part[1] == RAYMAP_PART_WALL);
-  CHECK_FAILS(raymap_surface_thickness(surface, &points[0][0], &missing, 1, 0.0, NULL, &arrays),
+  CHECK_FAILS(raymap_surface_thickness(surface, &points[0][0], &missing, 1, NULL, &arrays),
               RAYMAP_ERROR_USAGE, "12");
-  CHECK_FAILS(raymap_surface_thickness(surface, &points[0][0], triangles, 1, -1.0, NULL, &arrays),
-              RAYMAP_ERROR_USAGE, "must be positive");
   raymap_surface_free(surface);
   raymap_mesh_free(mesh);
 }
 
 static void test_inspection(void) {
-  raymap_findings findings = RAYMAP_INIT(raymap_findings);
   raymap_mesh* mesh = make_box(12);
-  raymap_inspection* inspection = raymap_inspect(mesh, NULL);
-  CHECK(raymap_inspection_findings(inspection, &findings) == RAYMAP_OK);
-  CHECK(strcmp(findings.kind, "clean_solid") == 0 && strcmp(findings.remedy, "none") == 0);
-  CHECK(findings.watertight && findings.consistently_oriented && findings.balanced);
-  CHECK(findings.signed_volume == 8.0 && findings.area == 28.0 && findings.max[0] == 4.0);
-  CHECK(findings.boundary_edges == 0 && findings.crossing_pairs == 0 && findings.crossings_complete);
-  CHECK(findings.components == 1 && findings.welded_vertices == 8 && isnan(findings.thinnest));
-  raymap_inspection_free(inspection);
+  char* json = raymap_inspect(mesh, NULL);
+  CHECK(strstr(json, "\"kind\": \"clean_solid\"") != NULL && strstr(json, "\"remedy\": \"none\"") != NULL);
+  CHECK(number_in(json, "watertight") == 1.0 && number_in(json, "signed_volume") == 8.0);
+  CHECK(number_in(json, "bounds.1.0") == 4.0 && number_in(json, "self_intersections.pairs") == 0.0);
+  CHECK(isnan(number_in(json, "verdict.thinnest")));
+  raymap_text_free(json);
   raymap_mesh_free(mesh);
 
   mesh = make_box(10); /* Without the side at x = 4. */
-  inspection = raymap_inspect(mesh, NULL);
-  CHECK(raymap_inspection_findings(inspection, &findings) == RAYMAP_OK);
-  CHECK(strcmp(findings.kind, "open_solid") == 0 && strcmp(findings.remedy, "repair") == 0);
-  CHECK(!findings.watertight && findings.holes == 1 && findings.boundary_edges == 4);
-  CHECK(findings.triangles == 10 && findings.open_components == 1 && findings.area == 26.0);
-  char* json = raymap_inspection_json(inspection);
-  CHECK(json != NULL && strstr(json, "\"boundary_edges\": 4") != NULL);
-  CHECK(strstr(json, "\"verdict\"") != NULL && strstr(json, "\"self_intersections\"") != NULL);
+  json = raymap_inspect(mesh, NULL);
+  CHECK(strstr(json, "\"kind\": \"open_solid\"") != NULL && number_in(json, "boundary_edges") == 4.0);
+  CHECK(number_in(json, "watertight") == 0.0 && number_in(json, "holes.0.edges") == 4.0);
   raymap_text_free(json);
   raymap_text_free(NULL);
-  raymap_inspection_free(inspection);
 
   struct calls calls = {.goes_on = false};
   raymap_options* options = raymap_options_create();
@@ -829,48 +784,45 @@ static void test_inspection(void) {
 static void test_repair(void) {
   raymap_mesh* mesh = make_box(10);
   raymap_grid grid;
-  raymap_grid_options how = RAYMAP_INIT(raymap_grid_options);
-  raymap_repair_options repair = RAYMAP_INIT(raymap_repair_options);
-  raymap_repair_numbers numbers = RAYMAP_INIT(raymap_repair_numbers);
   raymap_options* options = on_cpu();
-  CHECK(raymap_fit_repair_grid(mesh, NULL, NULL, &grid) == RAYMAP_OK && grid.dims[0] == 256);
-  how.resolution = 40;
-  CHECK(raymap_fit_repair_grid(mesh, &how, NULL, &grid) == RAYMAP_OK && grid.dims[0] == 40);
+  CHECK(raymap_fit_repair_grid(mesh, NULL, &grid) == RAYMAP_OK && grid.dims[0] == 256);
+  CHECK(raymap_options_set_number(options, "resolution", 40) == RAYMAP_OK);
+  CHECK(raymap_fit_repair_grid(mesh, options, &grid) == RAYMAP_OK && grid.dims[0] == 40);
   const double spacing = grid.spacing;
-  repair.offset = 1.0;
-  CHECK(raymap_fit_repair_grid(mesh, &how, &repair, &grid) == RAYMAP_OK && grid.spacing > spacing);
-  repair.offset = 0.0;
+  CHECK(raymap_options_set_number(options, "offset", 1.0) == RAYMAP_OK);
+  CHECK(raymap_fit_repair_grid(mesh, options, &grid) == RAYMAP_OK && grid.spacing > spacing);
+  CHECK(raymap_options_set_number(options, "offset", 0.0) == RAYMAP_OK);
 
   /* The hole alone is closed. */
-  raymap_repaired* repaired = raymap_repair(mesh, &grid, NULL, options);
-  CHECK(raymap_mesh_triangle_count(raymap_repaired_mesh(repaired)) == 12);
-  CHECK(raymap_repaired_numbers(repaired, &numbers) == RAYMAP_OK);
-  CHECK(numbers.kept && numbers.closed_holes == 1 && numbers.watertight && numbers.solids == 1);
-  CHECK(fabs(numbers.volume - 8.0) < 1e-9);
-  char* json = raymap_repaired_json(repaired);
-  CHECK(json != NULL && strstr(json, "\"closed_holes\": 1") != NULL);
-  raymap_text_free(json);
-  raymap_repaired_free(repaired);
+  char* report = NULL;
+  raymap_mesh* repaired = raymap_repair(mesh, &grid, options, &report);
+  CHECK(raymap_mesh_triangle_count(repaired) == 12);
+  CHECK(number_in(report, "kept") == 1.0 && number_in(report, "closed_holes") == 1.0);
+  CHECK(number_in(report, "after.watertight") == 1.0 && number_in(report, "solids") == 1.0);
+  CHECK(fabs(number_in(report, "after.signed_volume") - 8.0) < 1e-9);
+  raymap_text_free(report);
+  raymap_mesh_free(repaired);
 
   /* The closed box is made anew, with a rounded layer of 0.25 on its faces (28), edges (28 long) and corners. */
   raymap_mesh_free(mesh);
   mesh = make_box(12);
-  repair.remesh = true;
-  repair.offset = 0.25;
-  repaired = raymap_repair(mesh, &grid, &repair, options);
-  CHECK(raymap_repaired_numbers(repaired, &numbers) == RAYMAP_OK);
-  CHECK(!numbers.kept && numbers.watertight && numbers.consistently_oriented);
+  CHECK(raymap_options_set_json(options, "{\"remesh\": true, \"offset\": 0.25}") == RAYMAP_OK);
+  repaired = raymap_repair(mesh, &grid, options, &report);
+  CHECK(number_in(report, "kept") == 0.0 && number_in(report, "after.watertight") == 1.0);
   const double pi = 3.14159265, r = 0.25;
-  CHECK(fabs(numbers.volume - (8 + 28 * r + 7 * pi * r * r + 4 * pi / 3 * r * r * r)) < 0.2);
-  CHECK(numbers.result_from_mesh > 0.0 && numbers.result_from_mesh < grid.spacing);
-  raymap_repaired_free(repaired);
-  repair.is_brief = true;
-  repaired = raymap_repair(mesh, &grid, &repair, options);
-  CHECK(raymap_repaired_numbers(repaired, &numbers) == RAYMAP_OK && numbers.result_from_mesh == 0.0);
-  raymap_repaired_free(repaired);
+  const double volume = number_in(report, "after.signed_volume"), most = number_in(report, "result_from_mesh.max");
+  CHECK(fabs(volume - (8 + 28 * r + 7 * pi * r * r + 4 * pi / 3 * r * r * r)) < 0.2);
+  CHECK(most > 0.0 && most < grid.spacing);
+  raymap_text_free(report);
+  raymap_mesh_free(repaired);
+  CHECK(raymap_options_set_number(options, "measure", 0) == RAYMAP_OK);
+  repaired = raymap_repair(mesh, &grid, options, &report);
+  CHECK(number_in(report, "result_from_mesh.max") == 0.0);
+  raymap_text_free(report);
+  raymap_mesh_free(repaired);
 
   CHECK(raymap_options_set_text(options, "sign", "none") == RAYMAP_OK);
-  CHECK(raymap_repair(mesh, &grid, NULL, options) == NULL && raymap_last_error() == RAYMAP_ERROR_USAGE);
+  CHECK(raymap_repair(mesh, &grid, options, NULL) == NULL && raymap_last_error() == RAYMAP_ERROR_USAGE);
   raymap_options_free(options);
   raymap_mesh_free(mesh);
 }
@@ -878,23 +830,22 @@ static void test_repair(void) {
 static void test_simplify(void) {
   raymap_mesh* box = make_box(12);
   const raymap_grid grid = fit(box);
-  raymap_options* options = on_cpu();
+  raymap_options* options = with("{\"device\": \"cpu\", \"tolerance\": 0.01, \"step\": 0.05}");
   raymap_field* field = raymap_generate(box, &grid, options);
-  raymap_mesh* fine = raymap_isosurface(field, 0.0, options);
-  raymap_simplified simplified = RAYMAP_INIT(raymap_simplified);
-  raymap_simplify_options how = RAYMAP_INIT(raymap_simplify_options);
-  how.tolerance = 0.01;
-  how.step = 0.05;
-  raymap_mesh* coarse = raymap_simplify(fine, &how, options, &simplified);
+  raymap_mesh* fine = raymap_isosurface(field, options);
+  char* report = NULL;
+  raymap_mesh* coarse = raymap_simplify(fine, options, &report);
   CHECK(raymap_mesh_triangle_count(coarse) >= 12);
   CHECK(raymap_mesh_triangle_count(coarse) < raymap_mesh_triangle_count(fine) / 4);
-  CHECK(simplified.deviation > 0.0 && simplified.deviation <= 0.01 && simplified.tolerance == 0.01);
-  raymap_mesh* same = raymap_simplify(fine, NULL, NULL, NULL);
+  const double deviation = number_in(report, "deviation");
+  CHECK(deviation > 0.0 && deviation <= 0.01 && number_in(report, "tolerance") == 0.01);
+  CHECK(number_in(report, "triangles_after") == (double)raymap_mesh_triangle_count(coarse));
+  raymap_text_free(report);
+  raymap_mesh* same = raymap_simplify(fine, NULL, NULL);
   CHECK(raymap_mesh_triangle_count(same) == raymap_mesh_triangle_count(fine));
   raymap_mesh* open = make_box(10);
-  CHECK(raymap_simplify(open, &how, NULL, NULL) == NULL && raymap_last_error() == RAYMAP_ERROR_INPUT);
-  how.tolerance = -1.0;
-  CHECK(raymap_simplify(fine, &how, NULL, NULL) == NULL && raymap_last_error() == RAYMAP_ERROR_USAGE);
+  CHECK(raymap_simplify(open, options, NULL) == NULL && raymap_last_error() == RAYMAP_ERROR_INPUT);
+  CHECK_FAILS(raymap_options_set_number(options, "tolerance", -1.0), RAYMAP_ERROR_USAGE, "tolerance must be 0 or more");
   raymap_mesh_free(open);
   raymap_mesh_free(same);
   raymap_mesh_free(coarse);
@@ -926,10 +877,8 @@ static void test_pictures(const char* folder) {
   char path[4096];
   raymap_mesh* mesh = make_box(10);
   raymap_options* options = on_cpu();
-  raymap_view view = RAYMAP_INIT(raymap_view);
-  view.width = 90;
-  view.height = 60;
-  raymap_picture* defects = raymap_render_defects(mesh, &view, options);
+  CHECK(raymap_options_set_json(options, "{\"width\": 90, \"height\": 60}") == RAYMAP_OK);
+  raymap_picture* defects = raymap_render_defects(mesh, options);
   CHECK(raymap_picture_width(defects) == 90 && raymap_picture_height(defects) == 60);
   int red = 0;
   for (size_t p = 0; p < 90 * 60; ++p) red += is_red(raymap_picture_rgb(defects) + 3 * p);
@@ -945,42 +894,36 @@ static void test_pictures(const char* folder) {
 
   const raymap_grid grid = fit(mesh);
   raymap_field* field = raymap_generate(mesh, &grid, options);
-  raymap_picture* drawn = raymap_render_field(field, &view, options);
-  view.cut = true;
-  raymap_picture* cut = raymap_render_field(field, &view, options);
+  raymap_picture* drawn = raymap_render_field(field, options);
+  CHECK(raymap_options_set_number(options, "cut", 1) == RAYMAP_OK);
+  raymap_picture* cut = raymap_render_field(field, options);
   CHECK(memcmp(raymap_picture_rgb(drawn), raymap_picture_rgb(cut), 90 * 60 * 3) != 0);
-  view.width = -1;
-  CHECK(raymap_render_field(field, &view, options) == NULL && raymap_last_error() == RAYMAP_ERROR_USAGE);
+  CHECK_FAILS(raymap_options_set_number(options, "width", -1), RAYMAP_ERROR_USAGE, "width must be 1 or more");
   raymap_picture_free(cut);
   raymap_picture_free(drawn);
 
-  raymap_picture* slice = raymap_render_slice(field, 2, -1, 0, NULL);
+  raymap_picture* slice = raymap_render_slice(field, 2, -1, NULL);
   CHECK(raymap_picture_width(slice) == 1024 && raymap_picture_height(slice) < 1024);
   raymap_picture_free(slice);
-  CHECK_FAILS(raymap_render_slice(field, 3, -1, 0, NULL), RAYMAP_ERROR_USAGE, "axis");
-  CHECK_FAILS(raymap_render_slice(field, 2, -1, 0, "colour"), RAYMAP_ERROR_USAGE, "confidence");
-  CHECK_FAILS(raymap_render_slice(field, 2, -1, 0, "winding"), RAYMAP_ERROR_USAGE, "winding");
+  CHECK_FAILS(raymap_render_slice(field, 3, -1, NULL), RAYMAP_ERROR_USAGE, "axis");
+  CHECK_FAILS(raymap_options_set_text(options, "array", "colour"), RAYMAP_ERROR_USAGE, "confidence");
+  raymap_options* winding = with("{\"array\": \"winding\"}");
+  CHECK_FAILS(raymap_render_slice(field, 2, -1, winding), RAYMAP_ERROR_USAGE, "winding");
 
-  view.width = 90;
-  raymap_page_options page = RAYMAP_INIT(raymap_page_options);
-  page.title = "a box";
-  page.mesh = mesh;
-  page.max_size = 5;
   snprintf(path, sizeof path, "%s/c_api.html", folder);
-  CHECK(raymap_write_page(field, path, &view, &page, options) == RAYMAP_OK);
-  CHECK(file_holds(path, "<h1>a box</h1>") && file_holds(path, "\"name\":\"Holes\"") && file_holds(path, "\"dims\":[5,"));
-  page.other = field;
-  page.other_title = "another box";
-  CHECK(raymap_write_page(field, path, &view, &page, options) == RAYMAP_OK);
-  CHECK(file_holds(path, "<h1>a box and another box</h1>"));
-  CHECK(raymap_write_page(field, path, &view, NULL, options) == RAYMAP_OK);
+  CHECK(raymap_write_page(field, path, NULL, NULL, options) == RAYMAP_OK);
   CHECK(file_holds(path, "<h1>c_api</h1>") && !file_holds(path, "\"name\":\"Holes\""));
-  page.max_size = -1;
-  CHECK_FAILS(raymap_write_page(field, path, &view, &page, options), RAYMAP_ERROR_USAGE, "at least 2 samples");
-  page.max_size = 0;
-  page.array = "winding";
-  CHECK_FAILS(raymap_write_page(field, path, &view, &page, options), RAYMAP_ERROR_USAGE, "winding");
+  CHECK(raymap_options_set_json(options, "{\"title\": \"a box\", \"max_size\": 5}") == RAYMAP_OK);
+  CHECK(raymap_write_page(field, path, mesh, NULL, options) == RAYMAP_OK);
+  CHECK(file_holds(path, "<h1>a box</h1>") && file_holds(path, "\"name\":\"Holes\"") && file_holds(path, "\"dims\":[5,"));
+  CHECK(raymap_options_set_text(options, "other_title", "another box") == RAYMAP_OK);
+  CHECK(raymap_write_page(field, path, mesh, field, options) == RAYMAP_OK);
+  CHECK(file_holds(path, "<h1>a box and another box</h1>"));
+  CHECK(raymap_options_set_number(options, "max_size", 1) == RAYMAP_OK);
+  CHECK_FAILS(raymap_write_page(field, path, NULL, NULL, options), RAYMAP_ERROR_USAGE, "at least 2 samples");
+  CHECK_FAILS(raymap_write_page(field, path, NULL, NULL, winding), RAYMAP_ERROR_USAGE, "winding");
   CHECK_FAILS(raymap_write_page(NULL, path, NULL, NULL, NULL), RAYMAP_ERROR_USAGE, "the field");
+  raymap_options_free(winding);
   raymap_field_free(field);
   raymap_options_free(options);
   raymap_mesh_free(mesh);
@@ -1082,33 +1025,23 @@ static void test_files(const char* folder) {
 }
 
 static void test_devices(void) {
-  raymap_devices* devices = raymap_devices_list();
-  raymap_device device = RAYMAP_INIT(raymap_device);
+  char* devices = raymap_devices_json();
+  CHECK(strstr(devices, "\"id\": \"cpu\"") != NULL && number_in(devices, "0.threads") >= 1.0);
   int automatic = 0;
-  CHECK(raymap_devices_count(devices) >= 1);
-  CHECK(raymap_devices_get(devices, 0, &device) == RAYMAP_OK);
-  CHECK(strcmp(device.id, "cpu") == 0 && strcmp(device.type, "cpu") == 0 && device.problem[0] == 0);
-  for (size_t i = 0; i < raymap_devices_count(devices); ++i) {
-    CHECK(raymap_devices_get(devices, i, &device) == RAYMAP_OK);
-    automatic += device.is_automatic;
-  }
+  for (const char* at = devices; (at = strstr(at, "\"automatic\": true")) != NULL; ++at) ++automatic;
   CHECK(automatic == 1);
-  CHECK_FAILS(raymap_devices_get(devices, 1000, &device), RAYMAP_ERROR_USAGE, "1000");
+  raymap_text_free(devices);
   CHECK_FAILS(raymap_devices_test("cpu"), RAYMAP_ERROR_USAGE, "cpu");
   CHECK_FAILS(raymap_devices_test("vulkan:1000"), RAYMAP_ERROR_UNSUPPORTED, "vulkan:1000");
-  raymap_devices_free(devices);
 }
 
 /* NULL does no harm to bands and regions. */
 static void test_null_of_bands(const raymap_surface* surface, const raymap_grid* grid) {
   const raymap_result usage = RAYMAP_ERROR_USAGE;
   const int32_t whole[3] = {1, 1, 1};
-  raymap_grid copy;
-  raymap_sparse_numbers numbers = RAYMAP_INIT(raymap_sparse_numbers);
-  double point[3] = {0, 0, 0};
   size_t bytes;
-  CHECK(raymap_surface_generate_band(NULL, grid, NULL, NULL) == NULL);
-  CHECK_FAILS(raymap_surface_generate_band(surface, NULL, NULL, NULL), usage, "the grid is NULL");
+  CHECK(raymap_surface_generate_band(NULL, grid, NULL) == NULL);
+  CHECK_FAILS(raymap_surface_generate_band(surface, NULL, NULL), usage, "the grid is NULL");
   CHECK(raymap_surface_generate_region(NULL, grid, whole, whole, NULL) == NULL);
   CHECK_FAILS(raymap_surface_generate_region(surface, NULL, whole, whole, NULL), usage, "lattice is NULL");
   CHECK_FAILS(raymap_surface_generate_region(surface, grid, NULL, whole, NULL), usage, "sample of the region is NULL");
@@ -1119,15 +1052,9 @@ static void test_null_of_bands(const raymap_surface* surface, const raymap_grid*
   CHECK(raymap_surface_far_distance(surface, grid, whole, whole, NULL, NULL) == usage);
   CHECK(raymap_surface_region_bytes(NULL, whole, NULL, &bytes) == usage);
   CHECK(raymap_surface_region_bytes(surface, whole, NULL, NULL) == usage);
-  CHECK(raymap_field_to_sparse(NULL, NULL, NULL) == NULL && raymap_sparse_field_to_dense(NULL, NULL) == NULL);
-  CHECK(raymap_sparse_field_grid(NULL, &copy) == usage && raymap_sparse_field_numbers(NULL, &numbers) == usage);
-  CHECK(raymap_sparse_field_leaves(NULL) == NULL && raymap_sparse_field_tiles(NULL) == NULL);
-  CHECK(raymap_sparse_field_distance(NULL) == NULL && raymap_sparse_field_triangle(NULL) == NULL);
-  CHECK(raymap_sparse_field_winding(NULL) == NULL && raymap_sparse_field_confidence(NULL) == NULL);
-  CHECK(raymap_sparse_field_sample(NULL, point, 1, RAYMAP_OUTSIDE_BOUND, NULL, NULL) == usage);
-  CHECK(raymap_sparse_field_isosurface(NULL, 0.0, NULL) == NULL);
-  CHECK(raymap_sparse_field_write(NULL, "a.vdb") == usage);
-  raymap_sparse_field_free(NULL);
+  CHECK(raymap_field_to_narrow(NULL, NULL) == NULL && raymap_field_to_dense(NULL, NULL) == NULL);
+  CHECK(raymap_field_leaves(NULL) == NULL && raymap_field_tiles(NULL) == NULL && !raymap_field_is_narrow(NULL));
+  CHECK(raymap_field_leaf_count(NULL) == 0 && raymap_field_tile_count(NULL) == 0);
 }
 
 /* NULL does no harm anywhere. */
@@ -1136,8 +1063,6 @@ static void test_null(void) {
   raymap_mesh* mesh = make_tetrahedron();
   raymap_field* field = raymap_field_create();
   double low[3];
-  raymap_device device = RAYMAP_INIT(raymap_device);
-  raymap_stats stats = RAYMAP_INIT(raymap_stats);
   raymap_mesh_arrays arrays = RAYMAP_INIT(raymap_mesh_arrays);
   raymap_query_arrays results = RAYMAP_INIT(raymap_query_arrays);
   const raymap_result usage = RAYMAP_ERROR_USAGE;
@@ -1146,12 +1071,11 @@ static void test_null(void) {
   raymap_field_free(NULL);
   raymap_generator_free(NULL);
   raymap_surface_free(NULL);
-  raymap_devices_free(NULL);
-  raymap_inspection_free(NULL);
-  raymap_repaired_free(NULL);
   raymap_picture_free(NULL);
   CHECK(raymap_options_set_text(NULL, "device", "cpu") == usage);
-  CHECK(raymap_options_set_number(NULL, "band", 1) == usage);
+  CHECK(raymap_options_set_number(NULL, "band", 1) == usage && raymap_options_set_json(NULL, "{}") == usage);
+  CHECK(raymap_options_set_numbers(NULL, "down", low, 0) == usage);
+  CHECK(raymap_json_number(NULL, "a", low) == usage && raymap_json_number("{}", NULL, low) == usage);
   CHECK(raymap_options_set_progress(NULL, NULL, NULL) == usage);
   CHECK(raymap_options_set_warning(NULL, NULL, NULL) == usage);
   CHECK(raymap_mesh_load(NULL, NULL) == NULL && raymap_mesh_from_arrays(NULL) == NULL);
@@ -1168,40 +1092,33 @@ static void test_null(void) {
   CHECK(raymap_field_grid(NULL, &grid) == usage && raymap_field_grid(field, NULL) == usage);
   CHECK(raymap_field_distance(NULL) == NULL && raymap_field_triangle(NULL) == NULL);
   CHECK(raymap_field_winding(NULL) == NULL && raymap_field_confidence(NULL) == NULL);
-  CHECK(raymap_field_clamp_distance(NULL) == 0.0 && raymap_field_device(NULL)[0] == 0);
-  CHECK(raymap_field_stats(NULL, &stats) == usage && raymap_field_stats(field, NULL) == usage);
+  CHECK(raymap_field_clamp_distance(NULL) == 0.0 && raymap_field_json(NULL) == NULL);
   CHECK(raymap_field_sample(NULL, low, 1, RAYMAP_OUTSIDE_BOUND, NULL, NULL) == usage);
   CHECK_FAILS(raymap_field_sample(field, low, 1, RAYMAP_OUTSIDE_BOUND, NULL, NULL), usage, "the field is empty");
-  CHECK(raymap_isosurface(NULL, 0.0, NULL) == NULL);
+  CHECK(raymap_isosurface(NULL, NULL) == NULL);
   CHECK(raymap_surface_create(NULL, NULL) == NULL && raymap_surface_bytes(NULL) == 0);
-  CHECK(raymap_surface_stats(NULL, &stats) == usage);
-  CHECK(raymap_surface_query(NULL, low, 1, 0.0, NULL, &results) == usage);
+  CHECK(raymap_surface_json(NULL) == NULL);
+  CHECK(raymap_surface_query(NULL, low, 1, NULL, &results) == usage);
   raymap_surface* surface = raymap_surface_create(mesh, NULL);
-  CHECK(raymap_surface_stats(surface, NULL) == usage);
-  CHECK(raymap_surface_query(surface, NULL, 1, 0.0, NULL, &results) == usage);
-  CHECK(raymap_surface_query(surface, low, 1, 0.0, NULL, NULL) == usage);
-  CHECK(raymap_sample_points(surface, 1, NULL, NULL, NULL) == usage);
+  CHECK(raymap_surface_query(surface, NULL, 1, NULL, &results) == usage);
+  CHECK(raymap_surface_query(surface, low, 1, NULL, NULL) == usage);
+  CHECK(raymap_sample_points(surface, 1, NULL, NULL) == usage);
   raymap_thickness_arrays thickness = RAYMAP_INIT(raymap_thickness_arrays);
-  CHECK(raymap_surface_thickness(NULL, low, NULL, 0, 0.0, NULL, &thickness) == usage);
-  CHECK(raymap_surface_thickness(surface, low, NULL, 0, 0.0, NULL, NULL) == usage);
-  CHECK_FAILS(raymap_surface_thickness(surface, low, NULL, 1, 0.0, NULL, &thickness), usage, "triangles is NULL");
+  CHECK(raymap_surface_thickness(NULL, low, NULL, 0, NULL, &thickness) == usage);
+  CHECK(raymap_surface_thickness(surface, low, NULL, 0, NULL, NULL) == usage);
+  CHECK_FAILS(raymap_surface_thickness(surface, low, NULL, 1, NULL, &thickness), usage, "triangles is NULL");
   test_null_of_bands(surface, &grid);
   raymap_surface_free(surface);
-  CHECK(raymap_inspect(NULL, NULL) == NULL && raymap_inspection_json(NULL) == NULL);
-  CHECK(raymap_inspection_findings(NULL, NULL) == usage);
+  CHECK(raymap_inspect(NULL, NULL) == NULL);
   CHECK(raymap_repair(NULL, &grid, NULL, NULL) == NULL && raymap_repair(mesh, NULL, NULL, NULL) == NULL);
-  CHECK(raymap_fit_repair_grid(NULL, NULL, NULL, &grid) == usage);
-  CHECK(raymap_fit_repair_grid(mesh, NULL, NULL, NULL) == usage);
-  CHECK(raymap_repaired_mesh(NULL) == NULL && raymap_repaired_json(NULL) == NULL);
-  CHECK(raymap_repaired_numbers(NULL, NULL) == usage);
-  CHECK(raymap_simplify(NULL, NULL, NULL, NULL) == NULL);
-  CHECK(raymap_render_field(NULL, NULL, NULL) == NULL && raymap_render_defects(NULL, NULL, NULL) == NULL);
-  CHECK(raymap_render_slice(NULL, 0, 0, 0, NULL) == NULL && raymap_picture_rgb(NULL) == NULL);
+  CHECK(raymap_fit_repair_grid(NULL, NULL, &grid) == usage && raymap_fit_repair_grid(mesh, NULL, NULL) == usage);
+  CHECK(raymap_simplify(NULL, NULL, NULL) == NULL);
+  CHECK(raymap_render_field(NULL, NULL) == NULL && raymap_render_defects(NULL, NULL) == NULL);
+  CHECK(raymap_render_slice(NULL, 0, 0, NULL) == NULL && raymap_picture_rgb(NULL) == NULL);
   CHECK(raymap_picture_width(NULL) == 0 && raymap_picture_height(NULL) == 0);
   CHECK(raymap_picture_write_png(NULL, "a.png") == usage);
   CHECK(raymap_field_load(NULL, NULL) == NULL);
   CHECK(raymap_field_write(NULL, "a.nrrd", NULL) == usage && raymap_field_write(field, NULL, NULL) == usage);
-  CHECK(raymap_devices_count(NULL) == 0 && raymap_devices_get(NULL, 0, &device) == usage);
   grid.origin[1] = NAN;
   CHECK_FAILS(raymap_generate(mesh, &grid, NULL), usage, "the grid's origin has y = nan");
   raymap_field_free(field);

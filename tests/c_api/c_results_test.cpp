@@ -52,6 +52,26 @@ Mesh flawedBox() {
                         {8, 9, 10}}};
 }
 
+/// Removes what differs from run to run.
+Json withoutTimes(Json report) {
+  report["stats"].erase("milliseconds");
+  for (Json& stage : report["stats"]["stages"]) stage.erase("milliseconds");
+  return report;
+}
+
+/// Expects a mesh of C to have these vertices and triangles.
+void expectSame(const raymap_mesh* given, const Mesh& mesh) {
+  ASSERT_NE(given, nullptr) << raymap_last_error_message();
+  ASSERT_EQ(raymap_mesh_vertex_count(given), mesh.vertices.size());
+  ASSERT_EQ(raymap_mesh_triangle_count(given), mesh.triangles.size());
+  std::vector<glm::uvec3> triangles(mesh.triangles.size());
+  raymap_mesh_copy_triangles(given, &triangles.data()->x);
+  EXPECT_EQ(triangles, mesh.triangles);
+  std::vector<glm::dvec3> positions(mesh.vertices.size());
+  raymap_mesh_copy_positions(given, &positions.data()->x);
+  for (uint32_t v = 0; v < mesh.vertices.size(); ++v) EXPECT_EQ(positions[v], mesh.position(v));
+}
+
 class CResults : public testing::Test {
  protected:
   CResults() {
@@ -74,24 +94,28 @@ class CResults : public testing::Test {
              grid.spacing}};
   }
 
+  /// Sets options of C by JSON.
+  void set(const char* json) {
+    ASSERT_EQ(raymap_options_set_json(cOptions_.get(), json), RAYMAP_OK) << raymap_last_error_message();
+  }
+
+  /// Expects the repair with the options of C to be that of C++.
+  void expectSameRepair(const Grid& grid, const raymap_grid& cGrid, const RepairOptions& how) {
+    const Repaired expected = repair(mesh_, grid, {}, how, {.device = "cpu"});
+    char* report = nullptr;
+    const Handle<raymap_mesh, raymap_mesh_free> repaired(
+        raymap_repair(cMesh_.get(), &cGrid, cOptions_.get(), &report));
+    expectSame(repaired.get(), expected.mesh);
+    const Handle<char, raymap_text_free> json(report);
+    EXPECT_EQ(withoutTimes(Json::parse(json.get())), withoutTimes(toJson(expected.report)));
+  }
+
   Mesh mesh_ = flawedBox();
   Handle<raymap_mesh, raymap_mesh_free> cMesh_;
   Handle<raymap_options, raymap_options_free> cOptions_;
 };
 
 using Drawn = Handle<raymap_picture, raymap_picture_free>;
-
-/// Expects a mesh of C to have these vertices and triangles.
-void expectSame(const raymap_mesh* given, const Mesh& mesh) {
-  ASSERT_EQ(raymap_mesh_vertex_count(given), mesh.vertices.size());
-  ASSERT_EQ(raymap_mesh_triangle_count(given), mesh.triangles.size());
-  std::vector<glm::uvec3> triangles(mesh.triangles.size());
-  raymap_mesh_copy_triangles(given, &triangles.data()->x);
-  EXPECT_EQ(triangles, mesh.triangles);
-  std::vector<glm::dvec3> positions(mesh.vertices.size());
-  raymap_mesh_copy_positions(given, &positions.data()->x);
-  for (uint32_t v = 0; v < mesh.vertices.size(); ++v) EXPECT_EQ(positions[v], mesh.position(v));
-}
 
 void expectSame(const raymap_picture* given, const Picture& picture) {
   ASSERT_NE(given, nullptr) << raymap_last_error_message();
@@ -101,103 +125,39 @@ void expectSame(const raymap_picture* given, const Picture& picture) {
 }
 
 /// Expects a narrow band of C to have these leaves, tiles and values.
-void expectSame(const raymap_sparse_field* given, const SparseField& band) {
+void expectSame(const raymap_field* given, const SparseField& band) {
   ASSERT_NE(given, nullptr) << raymap_last_error_message();
-  auto numbers = RAYMAP_INIT(raymap_sparse_numbers);
-  raymap_sparse_field_numbers(given, &numbers);
-  ASSERT_EQ(numbers.leaves, band.leaves.size());
-  ASSERT_EQ(numbers.tiles, band.tiles.size());
-  EXPECT_EQ(numbers.active, band.activeCount());
-  EXPECT_EQ(numbers.bytes, band.bytes());
-  EXPECT_EQ(numbers.outside, band.outside);
-  EXPECT_EQ(numbers.inside, band.inside);
+  ASSERT_EQ(raymap_field_leaf_count(given), band.leaves.size());
+  ASSERT_EQ(raymap_field_tile_count(given), band.tiles.size());
+  const Handle<char, raymap_text_free> text(raymap_field_json(given));
+  const Json json = Json::parse(text.get());
+  EXPECT_EQ(json["active"], band.activeCount());
+  EXPECT_EQ(json["bytes"], band.bytes());
+  EXPECT_EQ(json["outside"], band.outside);
+  EXPECT_EQ(json["inside"], band.inside);
   const auto expectValues = [](const void* data, const auto& values) {
     ASSERT_EQ(data == nullptr, values.empty());
     if (data) {
       EXPECT_EQ(std::memcmp(data, values.data(), values.size() * sizeof values[0]), 0);
     }
   };
-  expectValues(raymap_sparse_field_leaves(given), band.leaves);
-  expectValues(raymap_sparse_field_tiles(given), band.tiles);
-  expectValues(raymap_sparse_field_distance(given), band.distance);
-  expectValues(raymap_sparse_field_triangle(given), band.triangle);
-  expectValues(raymap_sparse_field_winding(given), band.winding);
-  expectValues(raymap_sparse_field_confidence(given), band.confidence);
-}
-
-/// Removes what differs from run to run.
-Json withoutTimes(Json report) {
-  report["stats"].erase("milliseconds");
-  for (Json& stage : report["stats"]["stages"]) stage.erase("milliseconds");
-  return report;
+  expectValues(raymap_field_leaves(given), band.leaves);
+  expectValues(raymap_field_tiles(given), band.tiles);
+  expectValues(raymap_field_distance(given), band.distance);
+  expectValues(raymap_field_triangle(given), band.triangle);
+  expectValues(raymap_field_winding(given), band.winding);
+  expectValues(raymap_field_confidence(given), band.confidence);
 }
 
 TEST_F(CResults, InspectionIsThatOfTheThreeFunctions) {
   const Diagnostics found = diagnose(mesh_);
   const SelfIntersections crossings = findSelfIntersections(mesh_);
-  const Verdict verdict = judge(mesh_, found, crossings);
   ASSERT_GT(crossings.pairs, 0u);
   ASSERT_EQ(found.holes.size(), 2u);
-
-  const Handle<raymap_inspection, raymap_inspection_free> inspection(raymap_inspect(cMesh_.get(), nullptr));
-  auto findings = RAYMAP_INIT(raymap_findings);
-  ASSERT_EQ(raymap_inspection_findings(inspection.get(), &findings), RAYMAP_OK);
-  EXPECT_EQ(findings.kind, name(verdict.kind));
-  EXPECT_EQ(findings.remedy, name(verdict.remedy));
-  EXPECT_EQ(findings.vertices, found.vertices);
-  EXPECT_EQ(findings.welded_vertices, found.weldedVertices);
-  EXPECT_EQ(findings.triangles, found.triangles);
-  EXPECT_EQ(findings.components, found.components);
-  EXPECT_EQ(findings.open_components, found.openComponents);
-  EXPECT_EQ(findings.inward_components, found.inwardComponents);
-  EXPECT_EQ(findings.sheets, found.sheets);
-  EXPECT_EQ(findings.holes, found.holes.size());
-  EXPECT_EQ(findings.boundary_edges, found.boundaryEdges);
-  EXPECT_EQ(findings.non_manifold_edges, found.nonManifoldEdges);
-  EXPECT_EQ(findings.flipped_edges, found.flippedEdges);
-  EXPECT_EQ(findings.flipped_faces, found.flippedFaces);
-  EXPECT_EQ(findings.degenerate_faces, found.degenerateFaces);
-  EXPECT_EQ(findings.duplicate_faces, found.duplicateFaces);
-  EXPECT_EQ(findings.double_sided_faces, found.doubleSidedFaces);
-  EXPECT_EQ(findings.crossing_pairs, crossings.pairs);
-  EXPECT_EQ(findings.crossing_faces, crossings.faces.size());
-  EXPECT_EQ(findings.crossings_complete, crossings.complete);
-  EXPECT_EQ(findings.watertight, found.watertight);
-  EXPECT_EQ(findings.consistently_oriented, found.consistentlyOriented);
-  EXPECT_EQ(findings.balanced, found.balanced);
-  EXPECT_EQ(findings.signed_volume, found.signedVolume);
-  EXPECT_EQ(findings.area, found.area);
-  for (int a = 0; a < 3; ++a) {
-    EXPECT_EQ(findings.min[a], found.bounds.min[a]);
-    EXPECT_EQ(findings.max[a], found.bounds.max[a]);
-  }
-  EXPECT_EQ(std::isnan(findings.thinnest), !verdict.thinnest);
-
-  const Handle<char, raymap_text_free> json(raymap_inspection_json(inspection.get()));
+  const Handle<char, raymap_text_free> json(raymap_inspect(cMesh_.get(), nullptr));
   Json expected = toJson(Inspection{found, crossings});
-  expected["verdict"] = toJson(verdict);
-  EXPECT_EQ(Json::parse(json.get()), expected);
+  expected["verdict"] = toJson(judge(mesh_, found, crossings));
   EXPECT_EQ(json.get(), textOf(expected));
-}
-
-TEST_F(CResults, AThinPartHasItsThickness) {
-  for (glm::vec3& vertex : mesh_.vertices) vertex.z *= 0.05f;  // The C mesh views the same array.
-  mesh_.triangles.pop_back();
-  mesh_.triangles.insert(mesh_.triangles.end(), {{1, 3, 5}, {3, 7, 5}});
-  auto arrays = RAYMAP_INIT(raymap_mesh_arrays);
-  arrays.vertices = mesh_.vertices.data();
-  arrays.vertex_count = mesh_.vertices.size();
-  arrays.triangles = mesh_.triangles.data();
-  arrays.triangle_count = mesh_.triangles.size();
-  const Handle<raymap_mesh, raymap_mesh_free> plate(raymap_mesh_from_arrays(&arrays));
-  const Handle<raymap_inspection, raymap_inspection_free> inspection(raymap_inspect(plate.get(), nullptr));
-  auto findings = RAYMAP_INIT(raymap_findings);
-  raymap_inspection_findings(inspection.get(), &findings);
-  const Verdict verdict = judge(mesh_, diagnose(mesh_), findSelfIntersections(mesh_));
-  ASSERT_TRUE(verdict.thinnest && verdict.voxelSize);
-  EXPECT_NEAR(findings.thinnest, 0.05, 1e-4);
-  EXPECT_EQ(findings.thinnest, *verdict.thinnest);
-  EXPECT_EQ(findings.voxel_size, *verdict.voxelSize);
 }
 
 TEST_F(CResults, RepairIsThatOfCpp) {
@@ -209,44 +169,9 @@ TEST_F(CResults, RepairIsThatOfCpp) {
                           .down = {0, -1, 0},
                           .remesh = true,
                           .tolerance = 0.02};
-  auto cHow = RAYMAP_INIT(raymap_repair_options);
-  cHow.offset = how.offset;
-  cHow.shell = how.shell;
-  cHow.drain_hole = how.drainHole;
-  cHow.drain_holes = how.drainHoles;
-  cHow.down[1] = -1;
-  cHow.remesh = true;
-  cHow.has_tolerance = true;
-  cHow.tolerance = 0.02;
-  const Repaired expected = repair(mesh_, grid, {}, how, {.device = "cpu"});
-  ASSERT_EQ(expected.report.holes, 2u);
-  const Handle<raymap_repaired, raymap_repaired_free> repaired(
-      raymap_repair(cMesh_.get(), &cGrid, &cHow, cOptions_.get()));
-  ASSERT_NE(repaired, nullptr) << raymap_last_error_message();
-  expectSame(raymap_repaired_mesh(repaired.get()), expected.mesh);
-
-  auto numbers = RAYMAP_INIT(raymap_repair_numbers);
-  ASSERT_EQ(raymap_repaired_numbers(repaired.get(), &numbers), RAYMAP_OK);
-  const RepairReport& report = expected.report;
-  EXPECT_EQ(numbers.solids, report.solids);
-  EXPECT_EQ(numbers.cavities, report.cavities);
-  EXPECT_EQ(numbers.hollows, report.hollows);
-  EXPECT_EQ(numbers.filled_hollows, report.filledHollows);
-  EXPECT_EQ(numbers.drain_holes, report.holes);
-  EXPECT_EQ(numbers.dropped, report.dropped.count);
-  EXPECT_EQ(numbers.filled, report.filled.count);
-  EXPECT_EQ(numbers.closed_holes, report.closedHoles);
-  EXPECT_EQ(numbers.kept, report.kept);
-  EXPECT_EQ(numbers.parts_overlap, report.partsOverlap);
-  EXPECT_EQ(numbers.watertight, report.after.watertight);
-  EXPECT_EQ(numbers.consistently_oriented, report.after.consistentlyOriented);
-  EXPECT_EQ(numbers.volume, report.after.signedVolume);
-  EXPECT_EQ(numbers.result_from_mesh, report.ofResult.max);
-  EXPECT_EQ(numbers.mesh_from_result, report.ofMesh.max);
-  EXPECT_EQ(numbers.lost_share, report.lostShare);
-  EXPECT_EQ(numbers.buried_share, report.buriedShare);
-  const Handle<char, raymap_text_free> json(raymap_repaired_json(repaired.get()));
-  EXPECT_EQ(withoutTimes(Json::parse(json.get())), withoutTimes(toJson(report)));
+  set(R"({"offset": 0.1, "shell": 0.25, "drain_hole": 0.3, "drain_holes": 2, "down": [0, -1, 0],
+          "remesh": true, "tolerance": 0.02})");
+  expectSameRepair(grid, cGrid, how);
 }
 
 TEST_F(CResults, RepairJoinsASheetToABase) {
@@ -259,48 +184,31 @@ TEST_F(CResults, RepairJoinsASheetToABase) {
   arrays.triangle_count = 1;
   const Handle<raymap_mesh, raymap_mesh_free> sheet(raymap_mesh_from_arrays(&arrays));
   ASSERT_NE(sheet, nullptr) << raymap_last_error_message();
-  auto how = RAYMAP_INIT(raymap_repair_options);
-  how.has_base = true;
-  how.base = -1.0;
+  set(R"({"base": -1})");
   raymap_grid grid{};
-  ASSERT_EQ(raymap_fit_repair_grid(sheet.get(), nullptr, &how, &grid), RAYMAP_OK);
-  const Handle<raymap_repaired, raymap_repaired_free> repaired(
-      raymap_repair(sheet.get(), &grid, &how, cOptions_.get()));
+  ASSERT_EQ(raymap_fit_repair_grid(sheet.get(), cOptions_.get(), &grid), RAYMAP_OK);
+  char* report = nullptr;
+  const Handle<raymap_mesh, raymap_mesh_free> repaired(
+      raymap_repair(sheet.get(), &grid, cOptions_.get(), &report));
   ASSERT_NE(repaired, nullptr) << raymap_last_error_message();
-  auto numbers = RAYMAP_INIT(raymap_repair_numbers);
-  ASSERT_EQ(raymap_repaired_numbers(repaired.get(), &numbers), RAYMAP_OK);
-  EXPECT_TRUE(numbers.kept);
-  EXPECT_NEAR(numbers.volume, 0.5 * (2.0 + 2.0 + 3.0) / 3.0, 1e-6);
+  const Handle<char, raymap_text_free> text(report);
+  const Json json = Json::parse(text.get());
+  EXPECT_TRUE(json["kept"]);
+  EXPECT_NEAR(json["after"]["signed_volume"], 0.5 * (2.0 + 2.0 + 3.0) / 3.0, 1e-6);
 }
 
 TEST_F(CResults, OtherOptionsOfRepairAreThoseOfCpp) {
   const auto [grid, cGrid] = fit(32);
-  const RepairOptions how{
-      .closeHoles = false, .minThickness = 0.4, .dropSmaller = 0.0, .keepCavities = true, .measure = false};
-  auto cHow = RAYMAP_INIT(raymap_repair_options);
-  cHow.close_holes_in_steps = true;
-  cHow.min_thickness = *how.minThickness;
-  cHow.has_drop_smaller = true;
-  cHow.keep_cavities = true;
-  cHow.is_brief = true;
-  const Repaired expected = repair(mesh_, grid, {}, how, {.device = "cpu"});
-  const Handle<raymap_repaired, raymap_repaired_free> repaired(
-      raymap_repair(cMesh_.get(), &cGrid, &cHow, cOptions_.get()));
-  ASSERT_NE(repaired, nullptr) << raymap_last_error_message();
-  expectSame(raymap_repaired_mesh(repaired.get()), expected.mesh);
-  const Handle<char, raymap_text_free> json(raymap_repaired_json(repaired.get()));
-  EXPECT_EQ(withoutTimes(Json::parse(json.get())), withoutTimes(toJson(expected.report)));
+  set(R"({"close_holes": false, "min_thickness": 0.4, "drop_smaller": 0, "keep_cavities": true, "measure": false})");
+  expectSameRepair(
+      grid, cGrid,
+      {.closeHoles = false, .minThickness = 0.4, .dropSmaller = 0.0, .keepCavities = true, .measure = false});
 }
 
 TEST_F(CResults, RepairGridIsThatOfCpp) {
-  auto cHow = RAYMAP_INIT(raymap_repair_options);
-  cHow.min_thickness = 0.5;
-  auto options = RAYMAP_INIT(raymap_grid_options);
-  options.voxel_size = 0.1;
-  options.has_padding = true;
-  options.padding = 0.25;
+  set(R"({"min_thickness": 0.5, "voxel_size": 0.1, "padding": 0.25})");
   raymap_grid fitted;
-  ASSERT_EQ(raymap_fit_repair_grid(cMesh_.get(), &options, &cHow, &fitted), RAYMAP_OK);
+  ASSERT_EQ(raymap_fit_repair_grid(cMesh_.get(), cOptions_.get(), &fitted), RAYMAP_OK);
   const Grid grid = fitRepairGrid(mesh_, {.voxelSize = 0.1, .padding = 0.25}, {.minThickness = 0.5});
   for (int a = 0; a < 3; ++a) {
     EXPECT_EQ(fitted.dims[a], grid.dims[a]);
@@ -313,34 +221,32 @@ TEST_F(CResults, SimplifiedMeshIsThatOfCpp) {
   const auto [grid, cGrid] = fit(32);
   const Mesh fine = isosurface(generate(mesh_, grid, {}, {.device = "cpu"}).field);
   const Handle<raymap_field, raymap_field_free> field(raymap_generate(cMesh_.get(), &cGrid, cOptions_.get()));
-  const Handle<raymap_mesh, raymap_mesh_free> cFine(raymap_isosurface(field.get(), 0.0, nullptr));
+  const Handle<raymap_mesh, raymap_mesh_free> cFine(raymap_isosurface(field.get(), nullptr));
   for (const SimplifyOptions& how : {SimplifyOptions{.tolerance = 0.02, .step = 0.1},
                                      SimplifyOptions{.tolerance = 1.0, .step = 0.1, .triangles = 200}}) {
     const Simplified expected = simplify(fine, how);
     ASSERT_LT(expected.mesh.triangles.size(), fine.triangles.size());
-    auto cHow = RAYMAP_INIT(raymap_simplify_options);
-    cHow.tolerance = how.tolerance;
-    cHow.step = how.step;
-    cHow.triangles = how.triangles;
-    auto simplified = RAYMAP_INIT(raymap_simplified);
+    const Json options{{"tolerance", how.tolerance}, {"step", how.step}, {"triangles", how.triangles}};
+    set(options.dump().c_str());
+    char* report = nullptr;
     const Handle<raymap_mesh, raymap_mesh_free> coarse(
-        raymap_simplify(cFine.get(), &cHow, nullptr, &simplified));
+        raymap_simplify(cFine.get(), cOptions_.get(), &report));
     expectSame(coarse.get(), expected.mesh);
-    EXPECT_EQ(simplified.deviation, expected.deviation);
-    EXPECT_EQ(simplified.undone, expected.undone);
-    EXPECT_EQ(simplified.tolerance, expected.tolerance);
+    const Handle<char, raymap_text_free> text(report);
+    const Json json = Json::parse(text.get());
+    EXPECT_EQ(json["deviation"], expected.deviation);
+    EXPECT_EQ(json["tolerance"], expected.tolerance);
+    EXPECT_EQ(json["triangles_before"], fine.triangles.size());
   }
 }
 
 TEST_F(CResults, RepairedMeshHasAsFewTrianglesAsAskedFor) {
   const auto [grid, cGrid] = fit(32);
-  auto how = RAYMAP_INIT(raymap_repair_options);
-  how.remesh = true;
-  how.triangles = 200;
-  const Handle<raymap_repaired, raymap_repaired_free> repaired(
-      raymap_repair(cMesh_.get(), &cGrid, &how, cOptions_.get()));
+  set(R"({"remesh": true, "triangles": 200})");
+  const Handle<raymap_mesh, raymap_mesh_free> repaired(
+      raymap_repair(cMesh_.get(), &cGrid, cOptions_.get(), nullptr));
   ASSERT_NE(repaired, nullptr) << raymap_last_error_message();
-  EXPECT_LE(raymap_mesh_triangle_count(raymap_repaired_mesh(repaired.get())), 200u);
+  EXPECT_LE(raymap_mesh_triangle_count(repaired.get()), 200u);
 }
 
 TEST_F(CResults, ThicknessIsThatOfCpp) {
@@ -360,8 +266,9 @@ TEST_F(CResults, ThicknessIsThatOfCpp) {
   arrays.diameter = diameter.data();
   arrays.part = part.data();
   arrays.inward = &inward.data()->x;
+  set(R"({"max_thickness": 1.5})");
   ASSERT_EQ(raymap_surface_thickness(surface.get(), &positions.data()->x, triangles.data(), points.size(),
-                                     1.5, nullptr, &arrays),
+                                     cOptions_.get(), &arrays),
             RAYMAP_OK);
   for (size_t p = 0; p < points.size(); ++p)
     EXPECT_EQ((Thickness{Part(part[p]), diameter[p], inward[p]}), expected[p]);
@@ -372,26 +279,21 @@ TEST_F(CResults, ThicknessIsThatOfCpp) {
 
 TEST_F(CResults, BandsAreThoseOfCpp) {
   const auto [grid, cGrid] = fit(40);
-  for (const char* array : {"triangle", "winding", "confidence"})
-    raymap_options_set_number(cOptions_.get(), array, 1);
+  set(R"({"triangle": true, "winding": true, "confidence": true, "outside": 2, "inside": 3.5, "iso": 0.01})");
   const Handle<raymap_surface, raymap_surface_free> cSurface(raymap_surface_create(cMesh_.get(), nullptr));
-  auto widths = RAYMAP_INIT(raymap_band_options);
-  widths.outside = 2.0;
-  widths.inside = 3.5;
   const BandOptions options{
       .outside = 2.0, .inside = 3.5, .triangle = true, .winding = true, .confidence = true};
-  using Band = Handle<raymap_sparse_field, raymap_sparse_field_free>;
-  const Band made(raymap_surface_generate_band(cSurface.get(), &cGrid, &widths, cOptions_.get()));
+  using CField = Handle<raymap_field, raymap_field_free>;
+  const CField made(raymap_surface_generate_band(cSurface.get(), &cGrid, cOptions_.get()));
   const SparseField band = Surface(mesh_).generateBand(grid, options);
   expectSame(made.get(), band);
 
-  const Handle<raymap_field, raymap_field_free> dense(raymap_generate(cMesh_.get(), &cGrid, cOptions_.get()));
-  const Band cut(raymap_field_to_sparse(dense.get(), &widths, cOptions_.get()));
+  const CField dense(raymap_generate(cMesh_.get(), &cGrid, cOptions_.get()));
+  const CField cut(raymap_field_to_narrow(dense.get(), cOptions_.get()));
   const FieldOptions arrays{.triangle = true, .winding = true, .confidence = true};
   expectSame(cut.get(), toSparse(generate(mesh_, grid, arrays, {.device = "cpu"}).field, options));
 
-  const Handle<raymap_mesh, raymap_mesh_free> contour(
-      raymap_sparse_field_isosurface(made.get(), 0.01, nullptr));
+  const Handle<raymap_mesh, raymap_mesh_free> contour(raymap_isosurface(made.get(), cOptions_.get()));
   expectSame(contour.get(), isosurface(band, {.iso = 0.01}));
 }
 
@@ -406,32 +308,24 @@ TEST_F(CResults, CompactSurfacesAreThoseOfCpp) {
 
 TEST_F(CResults, PicturesOfBandsAreThoseOfCpp) {
   const auto [grid, cGrid] = fit(40);
-  raymap_options_set_number(cOptions_.get(), "winding", 1);
+  set(R"({"winding": true, "width": 60, "height": 40, "cut": true, "title": "a band", "max_size": 20})");
   const Handle<raymap_surface, raymap_surface_free> surface(raymap_surface_create(cMesh_.get(), nullptr));
-  const Handle<raymap_sparse_field, raymap_sparse_field_free> cBand(
-      raymap_surface_generate_band(surface.get(), &cGrid, nullptr, cOptions_.get()));
+  const Handle<raymap_field, raymap_field_free> cBand(
+      raymap_surface_generate_band(surface.get(), &cGrid, cOptions_.get()));
   const SparseField band = Surface(mesh_).generateBand(grid, {.winding = true});
-  auto view = RAYMAP_INIT(raymap_view);
-  view.width = 60;
-  view.height = 40;
-  view.cut = true;
   const RenderOptions how{.width = 60, .height = 40, .cut = true};
-  expectSame(Drawn(raymap_render_sparse_field(cBand.get(), &view, cOptions_.get())).get(),
+  expectSame(Drawn(raymap_render_field(cBand.get(), cOptions_.get())).get(),
              renderField(band, how, {.device = "cpu"}));
-  expectSame(Drawn(raymap_render_sparse_slice(cBand.get(), 1, 5, 50, "winding")).get(),
-             renderSlice(band, 1, 5, 50, FieldArray::Winding));
-  expectSame(Drawn(raymap_render_sparse_slice(cBand.get(), 2, -1, 0, nullptr)).get(), renderSlice(band, 2));
+  expectSame(Drawn(raymap_render_slice(cBand.get(), 2, -1, nullptr)).get(), renderSlice(band, 2));
 
   const TemporaryFolder folder;
   const std::string path = (folder.path() / "band.html").string();
-  auto page = RAYMAP_INIT(raymap_page_options);
-  page.title = "a band";
-  page.max_size = 20;
-  page.other_sparse = cBand.get();
-  ASSERT_EQ(raymap_write_sparse_page(cBand.get(), path.c_str(), &view, &page, cOptions_.get()), RAYMAP_OK);
+  ASSERT_EQ(raymap_write_page(cBand.get(), path.c_str(), nullptr, cBand.get(), cOptions_.get()), RAYMAP_OK);
   const PageOptions shown{.title = "a band", .maxSize = 20, .otherBand = &band};
   EXPECT_EQ(readBytes(path), makePage(band, how, shown, {.device = "cpu"}).html);
-  EXPECT_EQ(raymap_write_sparse_page(nullptr, path.c_str(), nullptr, nullptr, nullptr), RAYMAP_ERROR_USAGE);
+  set(R"({"array": "winding", "width": 50})");
+  expectSame(Drawn(raymap_render_slice(cBand.get(), 1, 5, cOptions_.get())).get(),
+             renderSlice(band, 1, 5, 50, FieldArray::Winding));
 }
 
 TEST_F(CResults, PicturesAreThoseOfCpp) {
@@ -449,54 +343,29 @@ TEST_F(CResults, PicturesAreThoseOfCpp) {
                           .shell = 0.2,
                           .frame = Box{{-1, -1, -1}, {5, 3, 2}}};
   const MachineOptions machine{.device = "cpu"};
-  auto view = RAYMAP_INIT(raymap_view);
-  view.width = 60;
-  view.height = 40;
-  view.direction[0] = 1;
-  view.direction[1] = 0.5;
-  view.direction[2] = -0.2;
-  view.up[2] = 1;
-  view.field_of_view = 45;
-  view.cut = true;
-  view.shell = 0.2;
-  view.has_frame = true;
-  for (int a = 0; a < 3; ++a) {
-    view.frame_min[a] = how.frame->min[a];
-    view.frame_max[a] = how.frame->max[a];
-  }
-  expectSame(Drawn(raymap_render_field(cField.get(), &view, cOptions_.get())).get(),
+  set(R"({"width": 60, "height": 40, "direction": [1, 0.5, -0.2], "up": [0, 0, 1], "field_of_view": 45,
+          "cut": true, "shell": 0.2, "frame": [[-1, -1, -1], [5, 3, 2]]})");
+  expectSame(Drawn(raymap_render_field(cField.get(), cOptions_.get())).get(),
              renderField(field, how, machine));
+  expectSame(Drawn(raymap_render_defects(cMesh_.get(), cOptions_.get())).get(), renderDefects(mesh_, how));
   RenderOptions open = how;
   open.eye = glm::dvec3(-4.0, -2.0, 3.0);
   open.iso = 0.125;
   open.cutPlane = Plane{{1, 0.5, 0.25}, 1.5};
   open.slice = Plane{{0, 2, 1}, 0.75};
-  view.has_eye = true;
-  for (int a = 0; a < 3; ++a) {
-    view.eye[a] = (*open.eye)[a];
-    view.cut_plane[a] = open.cutPlane->normal[a];
-    view.slice_plane[a] = open.slice->normal[a];
-  }
-  view.iso = open.iso;
-  view.cut_plane[3] = open.cutPlane->offset;
-  view.slice_plane[3] = open.slice->offset;
-  expectSame(Drawn(raymap_render_field(cField.get(), &view, cOptions_.get())).get(),
+  set(R"({"eye": [-4, -2, 3], "iso": 0.125, "cut_plane": [1, 0.5, 0.25, 1.5], "slice_plane": [0, 2, 1, 0.75]})");
+  expectSame(Drawn(raymap_render_field(cField.get(), cOptions_.get())).get(),
              renderField(field, open, machine));
-  // The first version of the struct ended before these.
-  view.size = offsetof(raymap_view, has_eye);
-  expectSame(Drawn(raymap_render_field(cField.get(), &view, cOptions_.get())).get(),
-             renderField(field, how, machine));
-  expectSame(Drawn(raymap_render_defects(cMesh_.get(), &view, cOptions_.get())).get(),
-             renderDefects(mesh_, how));
-  expectSame(Drawn(raymap_render_slice(cField.get(), 1, 5, 50, "winding")).get(),
+  set(R"({"array": "winding", "width": 50})");
+  expectSame(Drawn(raymap_render_slice(cField.get(), 1, 5, cOptions_.get())).get(),
              renderSlice(field, 1, 5, 50, FieldArray::Winding));
-  expectSame(Drawn(raymap_render_slice(cField.get(), 2, -1, 0, nullptr)).get(), renderSlice(field, 2));
+  expectSame(Drawn(raymap_render_slice(cField.get(), 2, -1, nullptr)).get(), renderSlice(field, 2));
 }
 
 TEST_F(CResults, PictureWithoutAViewIsThatOfCpp) {
   const auto [grid, cGrid] = fit(24);
   const Handle<raymap_field, raymap_field_free> field(raymap_generate(cMesh_.get(), &cGrid, cOptions_.get()));
-  expectSame(Drawn(raymap_render_field(field.get(), nullptr, cOptions_.get())).get(),
+  expectSame(Drawn(raymap_render_field(field.get(), cOptions_.get())).get(),
              renderField(generate(mesh_, grid, {}, {.device = "cpu"}).field, {}, {.device = "cpu"}));
 }
 

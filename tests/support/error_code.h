@@ -3,6 +3,7 @@
 #include <raymap/error.h>
 
 #include <optional>
+#include <string>
 
 namespace raymap {
 
@@ -15,6 +16,16 @@ std::optional<ErrorCode> codeOf(Work&& work) {
     return error.code();
   }
   return std::nullopt;
+}
+
+/// Returns the message of the `Error(Usage)` that `work` throws; another text if it throws none.
+inline std::string usageMessage(auto&& work) {
+  try {
+    work();
+  } catch (const Error& error) {
+    return error.code() == ErrorCode::Usage ? error.what() : "another error";
+  }
+  return "no error";
 }
 
 /// Returns the exit code of the command line for an error, as docs/cli.md promises it.

@@ -13,11 +13,11 @@ int main(void) {
   const double middle[3] = {0.0, 0.0, 0.0};
   float distance = 1.0f;
   raymap_grid grid;
-  raymap_grid_options options = RAYMAP_INIT(raymap_grid_options);
-  options.resolution = 21;
+  raymap_options* options = raymap_options_create();
+  if (raymap_options_set_number(options, "resolution", 21) != RAYMAP_OK) return fail();
 
   raymap_mesh* mesh = raymap_mesh_load("tetrahedron.dae", NULL);
-  if (!mesh || raymap_fit_grid(mesh, &options, &grid) != RAYMAP_OK) return fail();
+  if (!mesh || raymap_fit_grid(mesh, options, &grid) != RAYMAP_OK) return fail();
   raymap_field* field = raymap_generate(mesh, &grid, NULL);
   if (!field || raymap_field_sample(field, middle, 1, RAYMAP_OUTSIDE_NAN, &distance, NULL) != RAYMAP_OK) return fail();
   if (raymap_field_write(field, "field.vdb", NULL) != RAYMAP_OK) return fail();
@@ -25,8 +25,9 @@ int main(void) {
   raymap_query_arrays arrays = RAYMAP_INIT(raymap_query_arrays);
   arrays.distance = &nearest;
   raymap_surface* surface = raymap_surface_create(mesh, NULL);
-  if (!surface || raymap_surface_query(surface, middle, 1, 0.0, NULL, &arrays) != RAYMAP_OK) return fail();
+  if (!surface || raymap_surface_query(surface, middle, 1, NULL, &arrays) != RAYMAP_OK) return fail();
   raymap_surface_free(surface);
+  raymap_options_free(options);
   raymap_field_free(field);
   raymap_mesh_free(mesh);
   if (raymap_mesh_load("missing.obj", NULL) != NULL || raymap_last_error() != RAYMAP_ERROR_FILE) return 1;
