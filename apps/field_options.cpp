@@ -3,12 +3,10 @@
 #include <raymap/error.h>
 #include <raymap/io.h>
 #include <raymap/memory.h>
-#include <raymap/names.h>
-
 #include <string>
 
 #include "first_use.h"
-#include "parser.h"
+#include "library_options.h"
 #include "read_offsets.h"
 #include "terminal.h"
 #include "warnings.h"
@@ -16,30 +14,17 @@
 namespace raymap {
 
 void addMethodOptions(Command& command, FieldArguments& arguments) {
-  FieldOptions& options = arguments.options;
-  addOptions(command, {{"--distance", &arguments.distance},
-                       {"--sign", &arguments.sign},
-                       {"--orientation", &arguments.orientation},
-                       {"--passes", &options.passes},
-                       {"--sampling", &arguments.sampling},
-                       {"--offsets", &arguments.offsets},
-                       {"--threshold", &options.threshold},
-                       {"--band", &options.band},
-                       {"--close-holes", &options.closeHoles},
-                       {"--thickness", &options.thickness},
-                       {"--invert", &options.invert}});
+  addLibraryOptions(command, arguments.options, {"triangle", "winding", "confidence", "allow_empty"});
+  addOptions(command, {{"--offsets", &arguments.offsets}});
 }
 
 void addSpacingOptions(Command& command, GridOptions& grid) {
-  addOptions(command, {{"--voxel-size", &grid.voxelSize}, {"--resolution", &grid.resolution}});
+  addLibraryOptions(command, grid, {"padding", "thickness", "align"});
 }
 
 void addGridOptions(Command& command, FieldArguments& arguments) {
-  addSpacingOptions(command, arguments.grid);
-  addOptions(command, {{"--shape", &arguments.shape},
-                       {"--align", &arguments.grid.align},
-                       {"--padding", &arguments.grid.padding},
-                       {"--bounds", &arguments.bounds}});
+  addLibraryOptions(command, arguments.grid, {"thickness"});
+  addOptions(command, {{"--shape", &arguments.shape}, {"--bounds", &arguments.bounds}});
 }
 
 void addMemoryLimit(Command& command, size_t& limit) {
@@ -48,13 +33,13 @@ void addMemoryLimit(Command& command, size_t& limit) {
 }
 
 void addCpuOptions(Command& command, MachineOptions& machine) {
-  addOptions(command, {{"--threads", &machine.threads}});
+  addLibraryOptions(command, machine, {"device", "memory_limit"});
   addMemoryLimit(command, machine.memoryLimit);
 }
 
 void addMachineOptions(Command& command, MachineOptions& machine) {
-  addOptions(command, {{"--device", &machine.device}});
-  addCpuOptions(command, machine);
+  addLibraryOptions(command, machine, {"memory_limit"});
+  addMemoryLimit(command, machine.memoryLimit);
 }
 
 void addFieldOptions(Command& command, FieldArguments& arguments) {
@@ -64,17 +49,15 @@ void addFieldOptions(Command& command, FieldArguments& arguments) {
 }
 
 void finishFieldArguments(FieldArguments& arguments) {
-  arguments.options.distance = fromName<DistanceMode>(arguments.distance);
-  arguments.options.sign = fromName<SignMode>(arguments.sign);
-  arguments.options.orientation = fromName<Orientation>(arguments.orientation);
-  arguments.options.sampling = fromName<Sampling>(arguments.sampling);
-  const bool walksPaths = arguments.sign == "paths" || arguments.sign == "evolution";
-  if (!walksPaths && (arguments.sampling != "raymap" || !arguments.offsets.empty()))
+  const SignMode sign = arguments.options.sign;
+  const bool walksPaths = sign == SignMode::Paths || sign == SignMode::Evolution;
+  if (!walksPaths && (arguments.options.sampling != Sampling::Raymap || !arguments.offsets.empty()))
     throw Error(ErrorCode::Usage, "--sampling and --offsets need --sign paths or evolution");
   if (!arguments.offsets.empty()) arguments.options.offsets = readOffsets(arguments.offsets);
+  arguments.asked = arguments.options;
   arguments.grid.thickness = arguments.options.thickness;
   if (arguments.options.thickness > 0.0) {
-    if (arguments.sign != "harmonic" && arguments.sign != "none")
+    if (sign != SignMode::Harmonic && sign != SignMode::None)
       throw Error(ErrorCode::Usage, "--thickness takes the place of --sign; leave one of them out");
     arguments.options.sign = SignMode::None;
   }

@@ -18,9 +18,9 @@ struct FieldArguments {
   GridOptions grid;
   std::vector<double> bounds;
   std::vector<int> shape;
-  std::string distance = "exact", sign = "harmonic", orientation = "auto", sampling = "raymap";
   std::filesystem::path offsets;
   FieldOptions options;
+  FieldOptions asked;  ///< Those of the command line, before --thickness takes the place of the sign.
   MachineOptions machine;
   MeshUnits units;
 };

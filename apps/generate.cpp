@@ -1,3 +1,4 @@
+#include <raymap/named_options.h>
 #include <raymap/raymap.h>
 
 #include <algorithm>
@@ -114,9 +115,13 @@ void writeAll(const GenerateArguments& arguments, const Field& field, Report& re
   write(arguments.confidence, FieldArray::Confidence);
 }
 
-Json listOf(const std::vector<glm::ivec3>& offsets) {
-  Json json = Json::array();
-  for (const glm::ivec3& offset : offsets) json.push_back({offset.x, offset.y, offset.z});
+/// Returns what the command line asks for, but arrays: they have files of their own.
+Json optionsOf(const GenerateArguments& arguments) {
+  Json json;
+  forEachOption(arguments.asked,
+                [&](const OptionName& option, const auto& member) { json[option.name] = toJson(member); });
+  for (const char* array : {"triangle", "winding", "confidence"}) json.erase(array);
+  json["threads"] = arguments.machine.threads;
   return json;
 }
 
@@ -131,20 +136,7 @@ Json describe(const GenerateArguments& arguments, const Report& report) {
             {"origin", toJson(grid.origin)},
             {"spacing", grid.spacing},
             {"samples", grid.sampleCount()}}},
-          {"options",
-           {{"distance", arguments.distance},
-            {"sign", arguments.sign},
-            {"orientation", arguments.orientation},
-            {"passes", arguments.options.passes},
-            {"sampling", arguments.sampling},
-            {"offsets", listOf(arguments.options.offsets)},
-            {"threshold", arguments.options.threshold},
-            {"band", arguments.options.band},
-            {"invert", arguments.options.invert},
-            {"close_holes", arguments.options.closeHoles},
-            {"thickness", arguments.options.thickness},
-            {"allow_empty", arguments.options.allowEmpty},
-            {"threads", arguments.machine.threads}}},
+          {"options", optionsOf(arguments)},
           {"stats", toJson(report.stats)},
           {"peak_memory_bytes", peakMemory()}};
 }
@@ -323,8 +315,12 @@ std::string keyOf(const Mesh& mesh, const GenerateArguments& arguments) {
     return std::to_string(
         std::hash<std::string_view>{}({reinterpret_cast<const char*>(bytes.data()), bytes.size()}));
   };
-  const Json key = {version().text,        hash(mesh.vertices),   hash(mesh.triangles),
-                    toJson(mesh.origin),   arguments.orientation, arguments.options.threshold,
+  const Json key = {version().text,
+                    hash(mesh.vertices),
+                    hash(mesh.triangles),
+                    toJson(mesh.origin),
+                    name(arguments.options.orientation),
+                    arguments.options.threshold,
                     arguments.options.band};
   return key.dump();
 }

@@ -156,6 +156,7 @@ std::string tableOf(const Program& program) {
       commands += (commands.empty() ? "" : ", ") + command.name;
       ++count;
     }
+    if (count == 0) continue;
     if (count == program.commands.size()) commands = "all";
     text += "| `" + replaced(shownNames(row), ", ", "`, `") + "`";
     for (const std::string& cell : {also, std::string(row.value), std::string(row.fallback), commands})

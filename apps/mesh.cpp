@@ -64,7 +64,8 @@ Json describe(const MeshArguments& arguments, const Grid& grid, const Simplified
 
 void run(MeshArguments& arguments) {
   if (!arguments.command->isGiven("--close-holes"))
-    arguments.options.closeHoles = arguments.sign != "none" && arguments.options.thickness == 0.0;
+    arguments.options.closeHoles =
+        arguments.options.sign != SignMode::None && arguments.options.thickness == 0.0;
   finishFieldArguments(arguments);
   checkSimplification(arguments.tolerance, arguments.triangles);
   const std::vector<Output> outputs{{"--output", arguments.mesh, writableMeshExtensions()},

@@ -7,6 +7,7 @@
 #include <array>
 #include <utility>
 
+#include "library_options.h"
 #include "mesh_units.h"
 #include "query_arrays.h"
 #include "terminal.h"
@@ -35,6 +36,7 @@ std::vector<std::string> queryArrayNames() {
 
 using enum Takes;
 
+// Rows that end early are those of the library's options; raymap/named_options.h has the rest.
 constexpr OptionRow kRows[] = {
     {"-o,--output", "--out", "Files", File, "FILE", "",
      "File to write"},  // Each command says more; see addOutput.
@@ -96,53 +98,31 @@ constexpr OptionRow kRows[] = {
 
     {"--resolution", "-r,--res", "Grid", Natural, "N",
      "128; 256 in render; in repair chosen by the thinnest part", "Samples along the longest side"},
-    {"--voxel-size", "--voxel,--spacing", "Grid", AboveZero, "LENGTH", "",
-     "Distance between samples, instead of --resolution"},
-    {"--shape", "--dims", "Grid", Triple, "NX NY NZ", "",
-     "Number of samples along x, y and z, instead of --resolution, for fields that can be stacked. Cells are "
-     "the smallest that cover the box; with --voxel-size they have that size, about the box's centre"},
-    {"--align", "", "Grid", Nothing, "", "",
-     "Begin the grid at multiples of 8 times the distance between samples, so that level sets of one "
-     "--voxel-size can be combined"},
-    {"--bounds", "--bbox,--box", "Grid", Corners, "X0 Y0 Z0 X1 Y1 Z1", "the mesh's bounds, padded",
-     "Box to cover"},
-    {"--padding", "--pad,--margin", "Grid", FromZero, "SHARE", "0.1",
-     "Padding of the mesh's bounds on every side, as a share of their longest side"},
+    {"--voxel-size", "--voxel,--spacing", "Grid", AboveZero},
+    {"--shape", "--dims", "Grid"},
+    {"--align", "", "Grid"},
+    {"--bounds", "--bbox,--box", "Grid", Library, nullptr, "the mesh's bounds, padded"},
+    {"--padding", "--pad,--margin", "Grid"},
 
-    {"--distance", "", "Method", Choice, "MODE", "exact",
-     "Distance to the closest triangle: exact, or a faster approximation, neighbours, cell or raster",
-     namesOf<DistanceMode>},
-    {"--sign", "", "Method", Choice, "MODE", "harmonic",
-     "Method that decides inside and outside: harmonic, exact, paths, evolution, rays, ray or none",
-     namesOf<SignMode>},
-    {"--orientation", "", "Method", Choice, "MODE", "auto",
-     "Reverse faces that point the wrong way: auto, if the field then fits clearly better; keep, never; "
-     "repair, whenever it fits no worse",
-     namesOf<Orientation>},
-    {"--passes", "", "Method", Natural, "N", "5", "Passes of --sign paths, steps of --sign evolution"},
-    {"--sampling", "", "Method", Choice, "MODE", "raymap",
-     "Sampling of --sign paths and evolution: raymap, or paper, the paper's own", namesOf<Sampling>},
+    {"--distance", "", "Method"},
+    {"--sign", "", "Method"},
+    {"--orientation", "", "Method"},
+    {"--passes", "", "Method"},
+    {"--sampling", "", "Method"},
     {"--offsets", "", "Method", File, "FILE", "",
      "Text file of offset points for --sign paths and evolution, a line x y z each, in samples"},
-    {"--threshold", "", "Method", AboveZero, "W", "0.5",
-     "A point is inside if |winding number| exceeds this"},
+    {"--threshold", "", "Method", AboveZero},
     {"--full-inside", "", "Method", Nothing, "", "",
      "With --band: keep all distances inside, and clamp those outside, in a .vdb or .nvdb"},
-    {"--band", "", "Method", FromZero, "SAMPLES", "0",
-     "Clamp distances to this many samples; 0 does not clamp"},
-    {"--close-holes", "!--no-close-holes,--fill-holes,!--no-fill-holes", "Method", Nothing, "",
-     "yes in mesh and repair, no in generate and view",
-     "Also measure distances to the surface that is missing in holes. Without it, a mesh is closed there in "
-     "steps as large as samples"},
-    {"--thickness", "", "Method", AboveZero, "LENGTH", "",
-     "Make a solid of this thickness around the surface instead of a sign: for sheets"},
-    {"--invert", "", "Method", Nothing, "", "", "Make inside positive and outside negative"},
-    {"--allow-empty", "", "Method", Nothing, "", "",
-     "Accept a mesh without triangles, in the box of --bounds. Its field is far everywhere: at --band, or at "
-     "the largest float"},
+    {"--band", "", "Method"},
+    {"--close-holes", "!--no-close-holes,--fill-holes,!--no-fill-holes", "Method", Library, nullptr,
+     "yes in mesh and repair, no in generate and view"},
+    {"--thickness", "", "Method", AboveZero},
+    {"--invert", "", "Method"},
+    {"--allow-empty", "", "Method"},
     {"--unsigned", "", "Method", Nothing, "", "",
      "Compute no sign, which is faster: for surfaces without an inside"},
-    {"--iso", "", "Method", Number, "LENGTH", "0", "Distance at which the surface lies"},
+    {"--iso", "", "Method"},
 
     {"--tolerance", "", "Shape", FromZero, "LENGTH",
      "what --triangles needs, or else in mesh and repair a tenth of the distance between samples",
@@ -152,34 +132,20 @@ constexpr OptionRow kRows[] = {
      "Write at most so many triangles, with the least deviation that reaches it; --tolerance is then a limit "
      "of the "
      "deviation"},
-    {"--offset", "", "Shape", Number, "LENGTH", "0",
-     "Distance to move the surface outwards; negative: inwards"},
-    {"--shell", "--hollow,--wall", "Shape", AboveZero, "LENGTH", "",
-     "Hollow the solid out, leaving walls this thick"},
-    {"--min-thickness", "", "Shape", FromZero, "LENGTH", "what the grid needs to lose none of them",
-     "Make walls, fins and sheets that are thinner this thick, at least two samples; 0: lose what the "
-     "samples miss"},
-    {"--drain-hole", "", "Shape", AboveZero, "LENGTH", "",
-     "Drill a hole of this diameter straight down from the lowest point of each hollow; hollows too small "
-     "for it stay solid"},
-    {"--drain-holes", "", "Shape", Natural, "N", "1",
-     "Number of holes of each hollow: the second is a vent up from the highest point, more go down from "
-     "level floors"},
-    {"--down", "", "Shape", Direction, "DIRECTION", "-z; with --up in a .glb, -y", "Direction of down"},
-    {"--drop-smaller", "", "Parts", FromZero, "VOLUME", "a thousandth of the largest part's volume",
-     "Drop parts that enclose less than this volume, in the mesh's units cubed; 0 keeps all"},
-    {"--base", "--floor", "Shape", Number, "Z", "",
-     "Join the rim of an open surface, such as a terrain, by walls to a flat base at this height, below all "
-     "of "
-     "it"},
-    {"--keep-cavities", "", "Parts", Nothing, "", "", "Do not fill sealed cavities"},
-    {"--remesh", "", "Parts", Nothing, "", "",
-     "Make all faces from the field, even if those of the mesh could be kept"},
+    {"--offset", "", "Shape"},
+    {"--shell", "--hollow,--wall", "Shape", AboveZero},
+    {"--min-thickness", "", "Shape", Library, nullptr, "what the grid needs to lose none of them"},
+    {"--drain-hole", "", "Shape", AboveZero},
+    {"--drain-holes", "", "Shape"},
+    {"--down", "", "Shape", Library, nullptr, "-z; with --up in a .glb, -y"},
+    {"--drop-smaller", "", "Parts"},
+    {"--base", "--floor", "Shape"},
+    {"--keep-cavities", "", "Parts"},
+    {"--remesh", "", "Parts"},
 
     {"--arrays", "", "Results", List, "NAME,...", "distance",
      "Arrays to compute. A field has distance and gradient", queryArrayNames},
-    {"--max-distance", "", "Results", AboveZero, "LENGTH", "",
-     "Farther points get this distance and no closest point"},
+    {"--max-distance", "", "Results"},
     {"--colour", "--color", "Results", Nothing, "", "",
      "Colour the points of a .ply by distance, as slices are"},
     {"-n,--count", "", "Points", Whole, "N", "500000", "Number of points"},
@@ -190,33 +156,24 @@ constexpr OptionRow kRows[] = {
      "points"},
     {"--surface", "", "Points", Number, "SHARE", "0",
      "Share of the points that are on the surface, 0 to 1; the rest lies in the bounding sphere"},
-    {"--seed", "", "Points", Whole, "N", "0", "Another whole number gives other points"},
-    {"--normalize", "--normalise", "Points", Nothing, "", "",
-     "Move and scale all so that the bounding sphere is the unit sphere about 0"},
+    {"--seed", "", "Points"},
+    {"--normalize", "--normalise", "Points"},
 
     {"--size", "", "Picture", Pair, "WIDTH HEIGHT", "1024 768", "Size of the picture in pixels"},
-    {"--direction", "", "Picture", Direction, "DIRECTION", "-0.6 -0.45 -1; where z is up, -0.6 1 -0.45",
-     "Direction in which the camera looks"},
-    {"--cut", "", "Picture", Nothing, "", "", "Cut the shape open and show half of it"},
-    {"--eye", "", "Picture", Vector, "X Y Z", "where the shape fills the picture", "Place of the camera"},
-    {"--frame", "", "Picture", Takes::Corners, "X0 Y0 Z0 X1 Y1 Z1", "the shape",
-     "Box that fills the picture and decides the floor and the step of lines, so that pictures are alike"},
-    {"--cut-plane", "", "Picture", Takes::Plane, "NX NY NZ D", "",
-     "Cut the shape open at this plane instead of its middle: what lies on the side of the normal is "
-     "removed. "
-     "D is the product of the normal and a point of the plane"},
-    {"--slice-plane", "", "Picture", Takes::Plane, "NX NY NZ D", "",
-     "Also show the distances on this plane, with lines as --slice draws them"},
+    {"--direction", "", "Picture", Library, nullptr, "-0.6 -0.45 -1; where z is up, -0.6 1 -0.45"},
+    {"--cut", "", "Picture"},
+    {"--eye", "", "Picture"},
+    {"--frame", "", "Picture"},
+    {"--cut-plane", "", "Picture"},
+    {"--slice-plane", "", "Picture"},
     {"--slice", "", "Picture", Choice, "AXIS", "",
      "Draw a map of the slice across this axis, x, y or z, instead of the surface", axes},
     {"--index", "", "Picture", Count, "N", "the middle one", "Index of the slice, in samples"},
     {"--as", "", "Picture", Choice, "ARRAY", "the array that the file names; distances for floats in a .npy",
      "Array to show: distance, winding, confidence or triangle", namesOf<FieldArray>},
-    {"--range", "", "Picture", AboveZero, "LENGTH", "the spacing",
-     "Least difference of two shapes that has the deepest colour"},
+    {"--range", "", "Picture", AboveZero, nullptr, "the spacing"},
 
-    {"--max-size", "", "Picture", Natural, "N", "256",
-     "Most samples along a side of a page; larger fields are shown on a coarser grid"},
+    {"--max-size", "", "Picture"},
 
     {"--fast", "", "Method", Nothing, "", "",
      "Do not count crossing pairs of faces, nor measure the thickness: takes less than half of the time"},
@@ -227,9 +184,7 @@ constexpr OptionRow kRows[] = {
 
     {"--table", "", "Results", Nothing, "", "", "Print all options over all commands, as a Markdown table"},
 
-    {"--device", "", "Machine", Text, "DEVICE", "auto",
-     "Device that computes: cpu, vulkan, vulkan:K (see raymap devices), or auto, a GPU if there is one, "
-     "else the CPU"},
+    {"--device", "", "Machine"},
     {"--threads", "-j,--jobs", "Machine", Count, "N", "0",
      "Number of CPU threads; 0 takes RAYMAP_THREADS, or else all"},
     {"--memory-limit", "--memory", "Machine", Bytes, "SIZE", "all that is available",
@@ -281,14 +236,15 @@ bool hasSpelling(std::string_view list, std::string_view spelling) {
 }  // namespace
 
 std::span<const OptionRow> optionRows() {
-  return kRows;
+  static const std::vector<OptionRow> kCompleted = completed(kRows);
+  return kCompleted;
 }
 
 const OptionRow* findRow(std::string_view spelling) {
-  const auto* row = std::ranges::find_if(kRows, [&](const OptionRow& each) {
+  const auto row = std::ranges::find_if(optionRows(), [&](const OptionRow& each) {
     return hasSpelling(each.name, spelling) || hasSpelling(each.others, spelling);
   });
-  return row == std::end(kRows) ? nullptr : row;
+  return row == optionRows().end() ? nullptr : &*row;
 }
 
 int valueCount(Takes takes) {

@@ -11,6 +11,7 @@ namespace raymap {
 
 /// Kinds of values of an option.
 enum class Takes : uint8_t {
+  Library,  ///< What the option of the library takes.
   // Any text:
   Nothing,
   File,
@@ -39,10 +40,10 @@ struct OptionRow {
   const char* name;    ///< As help shows it: "-o,--output".
   const char* others;  ///< Further spellings. Those of a negation begin with !, and help shows them.
   const char* group;   ///< Heading in the help.
-  Takes takes;
-  const char* value;     ///< Name of the value, which also says its unit; empty for a flag.
-  const char* fallback;  ///< Default, as help shows it; empty if there is none.
-  const char* help;
+  Takes takes = Takes::Library;
+  const char* value = nullptr;     ///< Name of the value, which also says its unit; empty for a flag.
+  const char* fallback = nullptr;  ///< Default, as help shows it; empty if there is none.
+  const char* help = nullptr;
   std::vector<std::string> (*choices)() = nullptr;
 };
 
@@ -61,7 +62,7 @@ constexpr std::pair<const char*, const char*> kNeeded[] = {
 
 /// Options that contradict each other.
 constexpr std::pair<const char*, const char*> kExclusive[] = {
-    {"--voxel-size", "--resolution"}, {"--shape", "--resolution"}, {"--shape", "--align"},
+    {"--voxel-size", "--resolution"}, {"--resolution", "--shape"}, {"--shape", "--align"},
     {"--padding", "--bounds"},        {"--to", "--unit"},          {"--stats", "--json"},
     {"--verbose", "--quiet"}};
 

@@ -191,8 +191,7 @@ std::string mistakeBeside(const Command& command, const Argument& argument) {
       return name + " needs " + command.find(other)->shown() + "; add it";
   for (const auto& [option, other] : kExclusive)
     if ((name == option && command.isGiven(other)) || (name == other && command.isGiven(option)))
-      return name + " and " + (name == option ? other : option) +
-             " cannot be used together; leave one of them out";
+      return std::string(option) + " and " + other + " cannot be used together; leave one of them out";
   return "";
 }
 

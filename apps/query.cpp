@@ -12,6 +12,7 @@
 #include "commands.h"
 #include "field_array.h"
 #include "field_options.h"
+#include "library_options.h"
 #include "query_arrays.h"
 #include "report.h"
 #include "terminal.h"
@@ -125,7 +126,7 @@ size_t resultBytes(const QueryOptions& asked) {
 Surface prepare(const Mesh& mesh, const QueryArguments& arguments, const MachineOptions& machine) {
   return Surface(mesh,
                  {.sign = arguments.isUnsigned ? SignMode::None : SignMode::Harmonic,
-                  .orientation = fromName<Orientation>(arguments.orientation),
+                  .orientation = arguments.options.orientation,
                   .threshold = arguments.options.threshold},
                  machine);
 }
@@ -159,7 +160,7 @@ Json describe(const QueryArguments& arguments, const QueryOptions& asked, const 
       {"options",
        {{"arrays", arrays},
         {"unsigned", arguments.isUnsigned},
-        {"orientation", arguments.orientation},
+        {"orientation", name(arguments.options.orientation)},
         {"threshold", arguments.options.threshold},
         {"max_distance", std::isfinite(arguments.maxDistance) ? Json(arguments.maxDistance) : Json()},
         {"threads", arguments.machine.threads}}},
@@ -382,7 +383,7 @@ void addQuery(Program& program) {
   addResultOptions(command, arguments);
   addUnitOptions(command, arguments.units);
   addOptions(command, {{"--unsigned", &arguments.isUnsigned},
-                       {"--orientation", &arguments.orientation},
+                       {"--orientation", targetOf(arguments.options.orientation)},
                        {"--threshold", &arguments.options.threshold}});
   addCpuOptions(command, arguments.machine);
 }

@@ -9,6 +9,7 @@
 #include "commands.h"
 #include "field_options.h"
 #include "first_use.h"
+#include "library_options.h"
 #include "mesh_output.h"
 #include "mesh_units.h"
 #include "repair_report.h"
@@ -123,22 +124,6 @@ void run(RepairArguments& arguments) {
   if (!arguments.stats.empty()) printWritten(arguments.stats);
 }
 
-void addShapeOptions(Command& command, RepairArguments& arguments) {
-  RepairOptions& repair = arguments.repair;
-  addOptions(command, {{"--tolerance", &repair.tolerance},
-                       {"--triangles", &repair.triangles},
-                       {"--offset", &repair.offset},
-                       {"--shell", &repair.shell},
-                       {"--min-thickness", &repair.minThickness},
-                       {"--base", &repair.base},
-                       {"--drain-hole", &repair.drainHole},
-                       {"--drain-holes", &repair.drainHoles},
-                       {"--down", &arguments.down},
-                       {"--drop-smaller", &repair.dropSmaller},
-                       {"--keep-cavities", &repair.keepCavities},
-                       {"--remesh", &repair.remesh}});
-}
-
 }  // namespace
 
 void addRepair(Program& program) {
@@ -147,9 +132,9 @@ void addRepair(Program& program) {
   auto& arguments = command.runs<RepairArguments>(run);
   addMeshFileOptions(command, arguments);
   addSpacingOptions(command, arguments.grid);
-  addOptions(command,
-             {{"--orientation", &arguments.orientation}, {"--close-holes", &arguments.repair.closeHoles}});
-  addShapeOptions(command, arguments);
+  addOptions(command, {{"--orientation", targetOf(arguments.options.orientation)}});
+  addLibraryOptions(command, arguments.repair, {"measure"});
+  addOptions(command, {{"--down", &arguments.down}});
   addMachineOptions(command, arguments.machine);
 }
 

@@ -118,7 +118,7 @@ Json describe(const RepairArguments& arguments, const Grid& grid, const RepairRe
             {"mesh", arguments.mesh.string()},
             {"grid", {{"dims", {grid.dims.x, grid.dims.y, grid.dims.z}}, {"spacing", grid.spacing}}},
             {"options",
-             {{"orientation", arguments.orientation},
+             {{"orientation", name(arguments.options.orientation)},
               {"close_holes", arguments.repair.closeHoles},
               {"offset", arguments.repair.offset},
               {"shell", arguments.repair.shell},

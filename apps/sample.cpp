@@ -6,6 +6,7 @@
 #include "checks.h"
 #include "commands.h"
 #include "field_options.h"
+#include "library_options.h"
 #include "report.h"
 #include "terminal.h"
 
@@ -67,8 +68,7 @@ void run(SampleArguments& arguments) {
   const MachineOptions machine = withProgress(arguments.machine, line);
   const Surface surface(
       std::move(mesh),
-      {.orientation = fromName<Orientation>(arguments.orientation), .threshold = arguments.options.threshold},
-      machine);
+      {.orientation = arguments.options.orientation, .threshold = arguments.options.threshold}, machine);
   const PointSamples samples = samplePoints(surface, arguments.choice, machine);
   line.clear();
   writePointSamples(arguments.samples, samples, arguments.format.output);
@@ -98,8 +98,8 @@ void addSample(Program& program) {
   addOptions(command, {{"--overwrite", &arguments.format.mayOverwrite}});
   addUnitOptions(command, arguments.units);
   addChoice(command, arguments.choice);
-  addOptions(command,
-             {{"--orientation", &arguments.orientation}, {"--threshold", &arguments.options.threshold}});
+  addOptions(command, {{"--orientation", targetOf(arguments.options.orientation)},
+                       {"--threshold", &arguments.options.threshold}});
   addCpuOptions(command, arguments.machine);
 }
 
