@@ -5,8 +5,8 @@ include/raymap/named_options.h names the options of each struct. Their types, de
 other public headers. Made of them: docs/options.md, src/describe/option_texts.cpp, and in the Python package the texts of
 arguments in docstrings and the arguments that functions lack.
 
-options.py writes all; options.py --check fails where they differ, and where an argument of Python has another default. A
-folder as last argument is another tree.
+options.py writes all; options.py --check fails where they differ, where an argument of Python has another default, and
+where the bindings of C or Python name an option. A folder as last argument is another tree.
 """
 
 import ast
@@ -38,6 +38,8 @@ _grid_field.py GridField.render RenderOptions MachineOptions: cut_plane slice_pl
 """
 TYPES = {"generate": "SurfaceFieldOptions"}  # The arguments that other functions hand on.
 ZEROS = ("offset", "shell", "drain_hole", "iso")  # Lengths whose default is 0 in Python, too.
+# Names of results, which options have too.
+RESULTS = {"array", "bounds", "confidence", "direction", "distance", "inside", "outside", "thickness", "triangle", "winding"}
 PYTHON_TYPES = {"bool": "bool", "int": "int", "size_t": "int", "uint64_t": "int", "double": "float", "std::string": "str",
                 "glm::dvec3": "Vector"}
 
@@ -197,8 +199,21 @@ def python_files(all_options):
     return made
 
 
+def strays(all_options):
+    """Returns the places in the bindings of C and Python that name an option themselves."""
+    names = "|".join(first_options(all_options).keys() - RESULTS)
+    found = []
+    for path in sorted((*ROOT.glob("src/c_api/*.cpp"), *ROOT.glob("python/src/*.cpp"))):
+        for number, line in enumerate(path.read_text().splitlines(), 1):
+            if name := re.search(rf'"({names})"(?!_a)', line):
+                found.append(f"{path.relative_to(ROOT)}:{number}: names the option {name[1]}; setOption knows it")
+    return found
+
+
 def main():
     all_options = options()
+    if faults := strays(all_options):
+        sys.exit("\n".join(faults))
     wanted = {TABLE: within(TABLE, table(all_options)), TEXTS: texts(all_options), **python_files(all_options)}
     return finish(wanted, "include/raymap/named_options.h", f"{len(first_options(all_options))} options")
 

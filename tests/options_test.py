@@ -53,6 +53,12 @@ class Options(PlantedTree):
         self.edit("python/raymap/_repair.py", "drain_holes: int = 1,", "drain_holes: int = 2,")
         self.assert_found("repair: the default of drain_holes is 2, not 1")
 
+    def test_a_binding_names_an_option(self):
+        self.put("src/c_api/c_options.cpp", 'int a;\nif (name == "close_holes") options.closeHoles = true;\n')
+        self.put("python/src/repair.cpp", 'options.def_rw("remesh", &RepairOptions::remesh);\nmodule.def("f", &f, "base"_a);\n')
+        lines = self.assert_found("c_options.cpp:2: names the option close_holes", "repair.cpp:1: names the option remesh")
+        self.assertEqual(len(lines), 2)
+
     def test_a_row_that_cannot_be_read(self):
         self.edit(NAMES, 'use(OptionName{"invert"}, options.invert)', 'use(OptionName{invert}, options.invert)')
         self.assert_found("an option of FieldOptions cannot be read")
