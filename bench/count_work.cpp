@@ -174,7 +174,7 @@ struct StopAtEnd {
   ~StopAtEnd() { counter.stop(); }
 };
 
-std::vector<CountedCommand> count(const vulkan::DeviceOptions& where, const Mesh& mesh, const Grid& grid,
+std::vector<CountedCommand> count(const vulkan::DeviceOptions& where, const Model& mesh, const Grid& grid,
                                   const FieldOptions& options) {
   const vulkan::ReplacedEntry grown(vkGetPhysicalDeviceMemoryProperties, growHeaps);
   realMemory = grown.real();
@@ -202,7 +202,7 @@ std::string partName(const std::string& stage, const std::string& part) {
 }
 
 /// Returns the milliseconds of each stage's kernels, fills and copies: the least of a few runs.
-std::map<std::string, double> measureParts(const vulkan::DeviceOptions& where, const Mesh& mesh,
+std::map<std::string, double> measureParts(const vulkan::DeviceOptions& where, const Model& mesh,
                                            const Grid& grid, const FieldOptions& options) {
   vulkan::WorkCounter timer(vulkan::Measured::Time);
   vulkan::Device device(where);
@@ -233,7 +233,7 @@ bool isSoftware(const vulkan::DeviceOptions& where) {
 }
 
 /// Returns the milliseconds of each stage, and of all from the mesh to the field, without counters.
-std::map<std::string, double> measure(const vulkan::DeviceOptions& where, const Mesh& mesh, const Grid& grid,
+std::map<std::string, double> measure(const vulkan::DeviceOptions& where, const Model& mesh, const Grid& grid,
                                       const FieldOptions& options) {
   vulkan::Device device(where);
   std::map<std::string, double> times;
@@ -286,7 +286,7 @@ void printTimes(const std::map<std::string, double>& times) {
   for (const auto& [name, milliseconds] : times) std::printf("| %s | %.3f |\n", name.c_str(), milliseconds);
 }
 
-void countCase(const vulkan::DeviceOptions& where, const Mesh& mesh, int resolution,
+void countCase(const vulkan::DeviceOptions& where, const Model& mesh, int resolution,
                const FieldOptions& options, bool timesOnly) {
   const Grid grid = fitGrid(mesh, {.resolution = resolution});
   std::map<std::string, double> times;
@@ -312,7 +312,7 @@ void countWork(const CountOptions& options) {
         std::printf("\n%s, %zu triangles, %s, %d samples:\n\n", name.c_str(), mesh.triangles.size(),
                     setting.c_str(), resolution);
         try {
-          countCase({.index = index}, mesh, resolution, optionsOf(setting), options.timesOnly);
+          countCase({.index = index}, Model(mesh), resolution, optionsOf(setting), options.timesOnly);
         } catch (const Error& error) {
           if (error.code() != ErrorCode::Memory) throw;
           std::puts(error.what());

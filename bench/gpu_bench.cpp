@@ -80,11 +80,12 @@ Json measure(Make&& make) {
 
 /// Measures a case on the device. Each case has its own backend, so that it holds only what the case needs.
 Json runOnDevice(vulkan::Device& device, const Mesh& mesh, const Grid& grid, const FieldOptions& options) {
+  const Model model(mesh);
   vulkan::Backend backend(device);
   Field field;
   Json report = measure([&]() -> Run {
     Progress progress;
-    backend.take({mesh, grid, options, progress, field});
+    backend.take({model, grid, options, progress, field});
     runPipeline(backend);
     backend.readResults();
     return {backend.milliseconds(), backend.stages()};

@@ -15,10 +15,11 @@ void runRaymap(const Case& input, Buffer<float>& values) {
 void runRaymapWinding(const Case& input, Buffer<float>& values) {
   const FieldOptions options{.winding = true};
   Progress progress;
+  const Model model(input.mesh);
   Field field;
   withThreads(input.threads, [&] {
     cpu::Backend backend;
-    backend.take({input.mesh, input.grid, options, progress, field});
+    backend.take({model, input.grid, options, progress, field});
     backend.begin();
     // Without distances every sample counts as close to the surface, so the dipoles settle more of them.
     std::fill(field.distance.begin(), field.distance.end(), 0.0f);

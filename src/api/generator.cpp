@@ -10,8 +10,8 @@
 #include "base/require.h"
 #include "base/stopwatch.h"
 #include "base/text.h"
-#include "cpu/run_on_cpu.h"
-#include "mesh/packed_mesh.h"
+#include "cpu/backend.h"
+#include "mesh/model.h"
 #include "method/check_options.h"
 #include "method/far_field.h"
 #include "method/thickness.h"
@@ -43,16 +43,16 @@ bool hasInside(const Field& field, const FieldOptions& options) {
 struct Generator::Impl {
   cpu::Backend cpuBackend;
   ChosenDevice device;
-  MeshPacker packer;
+  Model model;
 
-  PackedMesh pack(const MeshView& view, size_t memoryLimit) {
+  const Model& take(const MeshView& view, size_t memoryLimit) {
     if (view.triangleCount == 0)
       throw Error(ErrorCode::Input,
                   "the mesh has no triangles; allow empty meshes for a field that is far everywhere");
-    if (memoryLimit > 0) checkFieldMemory(MeshPacker::bytesNeeded(view), memoryLimit);
-    const PackedMesh mesh = packer.pack(view);
-    validate(mesh);
-    return mesh;
+    if (memoryLimit > 0) checkFieldMemory(Model::bytesNeeded(view), memoryLimit);
+    model.take(view);
+    validate(model);
+    return model;
   }
 };
 
@@ -76,7 +76,7 @@ Stats Generator::generate(const MeshView& view, const Grid& grid, const FieldOpt
       return stats;
     }
     const FieldOptions options = asked.thickness > 0.0 ? withoutThickness(asked, grid) : asked;
-    const PackedMesh mesh = notMoved(impl_).pack(view, machine.memoryLimit);
+    const Model& mesh = notMoved(impl_).take(view, machine.memoryLimit);
     const auto onGpu = [&](GpuDevice& gpu, size_t number) {
       Progress progress(machine.progress);
       withThreads(machine.threads, [&] {
@@ -86,8 +86,7 @@ Stats Generator::generate(const MeshView& view, const Grid& grid, const FieldOpt
     };
     if (!notMoved(impl_).device.run(machine, onGpu)) {
       Progress progress(machine.progress);
-      stats = cpu::runOnCpu(notMoved(impl_).cpuBackend, {mesh, grid, options, progress, field, machine},
-                            notMoved(impl_).packer.bytes());
+      stats = notMoved(impl_).cpuBackend.run({mesh, grid, options, progress, field, machine});
     }
     if (asked.thickness > 0.0) thicken(asked, machine.threads, field);
     field.surfaceBounds = surfaceBounds(mesh, grid, asked, stats);

@@ -16,6 +16,7 @@
 #include "cpu/points/point_query.h"
 #include "cpu/points/region.h"
 #include "field/field_sampler.h"
+#include "mesh/model.h"
 #include "mesh/triangle.h"
 
 namespace raymap {
@@ -80,54 +81,46 @@ void check(const ThicknessOptions& options, std::span<const FacePoint> points, s
                                         std::to_string(triangles));
 }
 
-Mesh copyOf(const MeshView& view, size_t memoryLimit) {
-  if (memoryLimit > 0) checkFieldMemory(MeshPacker::bytesNeeded(view), memoryLimit);
-  MeshPacker packer;
-  const PackedMesh packed = packer.pack(view);
-  return {{packed.vertices.begin(), packed.vertices.end()},
-          {packed.triangles.begin(), packed.triangles.end()},
-          packed.origin};
-}
-
 }  // namespace
 
 struct Surface::Impl {
-  Mesh mesh;
+  Model model;
   cpu::PreparedSurface prepared;  // Refers to it.
   Stats stats;
 
-  /// Prepares the mesh that `takeMesh` returns.
-  template <class TakeMesh>
-  void prepare(const SurfaceOptions& options, const MachineOptions& machine, TakeMesh&& takeMesh) {
+  /// Prepares the mesh that `keep` keeps in the model.
+  template <class Keep>
+  void prepare(const SurfaceOptions& options, const MachineOptions& machine, Keep&& keep) {
     const Stopwatch stopwatch;
     check(options);
     Progress progress(machine.progress);
     withThreads(machine.threads, [&] {
-      mesh = takeMesh();
-      validate(mesh);
-      prepared = cpu::prepareSurface(mesh, options, machine, meshBytes(), progress, stats);
+      keep();
+      validate(model);
+      prepared = cpu::prepareSurface(model, options, machine, progress, stats);
+      model.forget();
     });
     stats.milliseconds = stopwatch.milliseconds();
     stats.bytes = std::max(stats.bytes, bytes());
     warnOfInvertedParts(stats, machine.warn);
   }
 
-  size_t bytes() const { return meshBytes() + prepared.bytes(); }
+  size_t bytes() const { return model.bytes() + prepared.bytes(); }
   /// Returns the most bytes that the surface and what a call makes may hold.
   size_t most(const MachineOptions& machine) const { return mostMemory(machine.memoryLimit, bytes()); }
-  size_t meshBytes() const {
-    return mesh.vertices.capacity() * sizeof(glm::vec3) + mesh.triangles.capacity() * sizeof(glm::uvec3);
-  }
 };
 
 Surface::Surface(const MeshView& view, const SurfaceOptions& options, const MachineOptions& machine)
     : impl_(std::make_unique<Impl>()) {
-  notMoved(impl_).prepare(options, machine, [&] { return copyOf(view, machine.memoryLimit); });
+  notMoved(impl_).prepare(options, machine, [&] {
+    if (machine.memoryLimit > 0) checkFieldMemory(Model::bytesNeeded(view), machine.memoryLimit);
+    impl_->model.keep(view);
+  });
 }
 
 Surface::Surface(Mesh&& mesh, const SurfaceOptions& options, const MachineOptions& machine)
     : impl_(std::make_unique<Impl>()) {
-  notMoved(impl_).prepare(options, machine, [&] { return std::move(mesh); });
+  notMoved(impl_).prepare(options, machine, [&] { impl_->model.keep(std::move(mesh)); });
 }
 
 Surface::~Surface() = default;
@@ -153,7 +146,7 @@ QueryResult Surface::query(const PointsView& points, const QueryOptions& options
 
 std::vector<Thickness> Surface::thickness(std::span<const FacePoint> points, const ThicknessOptions& options,
                                           const MachineOptions& machine) const {
-  check(options, points, notMoved(impl_).mesh.triangles.size(), notMoved(impl_).prepared.isSigned);
+  check(options, points, notMoved(impl_).model.triangles.size(), notMoved(impl_).prepared.isSigned);
   Progress progress(machine.progress);
   std::vector<Thickness> thickness(points.size());
   withThreads(machine.threads, [&] {

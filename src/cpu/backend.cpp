@@ -20,6 +20,7 @@
 #include "cpu/sign/winding_doubts.h"
 #include "cpu/sign/winding_rims_samples.h"
 #include "method/orientation_surface.h"
+#include "method/stage_times.h"
 #include "method/winding_dipoles_shared.h"
 
 namespace raymap::cpu {
@@ -30,13 +31,24 @@ constexpr size_t kFacesPerTask = 1024;
 
 }  // namespace
 
-void Backend::take(const Job& job, size_t meshBytes, std::optional<Frames> frames) {
+void Backend::take(const Job& job, std::optional<Frames> frames) {
   // Few samples read few leaves, and most of those once.
   constexpr size_t kFewSamples = 4;  // Per triangle, the share of one.
   const bool areFew = kFewSamples * job.grid.sampleCount() < job.mesh.triangles.size();
   job_.emplace(job);
-  meshBytes_ = meshBytes;
   frames_ = frames.value_or(areFew ? Frames::Made : Frames::Stored);
+}
+
+Stats Backend::run(const Job& job, std::optional<Frames> frames) {
+  take(job, frames);
+  checkFieldMemory(mesh().bytes() + bytesNeeded(), mostBytes());
+  withThreads(job.machine.threads, [&] { runPipeline(*this); });
+  Stats stats;
+  stats.device = "cpu";
+  addStages(job.progress, stats);
+  stats.bytes = bytes();
+  describeMesh(*this, job.grid, stats);
+  return stats;
 }
 
 size_t Backend::bytesNeeded() const {
@@ -64,7 +76,6 @@ void Backend::begin() {
   crossedTurns_.clear();
   changedFaces_ = {};
   windingDipoles_.clear();
-  givenRims_.reset();
   mustFit_ = areRimsFound_ = false;
   const size_t count = grid.sampleCount();
   field.grid = grid;
@@ -80,7 +91,7 @@ void Backend::begin() {
 
 const SurfaceTree& Backend::surfaceTree() {
   if (std::exchange(hasSurfaceTree_, true)) return surfaceTree_;
-  doubleSided_ = surfaceTree_.buildSingleSided(mesh_, mesh().vertices, frames_);
+  doubleSided_ = surfaceTree_.buildSingleSided(mesh_, frames_);
   turns_.clear();
   treeTurns_ = TreeTurns::Unasked;
   return surfaceTree_;
@@ -100,16 +111,13 @@ const SurfaceTree& Backend::turnedSurfaceTree() {
   return surfaceTree_;
 }
 
-std::pair<SurfaceTree, WindingDipoles> Backend::takeTree() {
-  surfaceTree();
-  if (treeTurns_ == TreeTurns::Some) {
+void Backend::restoreTree() {
+  if (surfaceTree(); treeTurns_ == TreeTurns::Some) {
     mesh_.triangles = mesh().triangles;
-    surfaceTree_.buildSingleSided(mesh_, mesh().vertices, frames_);
+    surfaceTree_.buildSingleSided(mesh_, frames_);
     windingDipoles_.clear();
   }
-  hasSurfaceTree_ = false;
   surfaceTree_.releaseScratch();
-  return {std::move(surfaceTree_), std::move(windingDipoles_)};
 }
 
 void Backend::exactDistance() {
@@ -199,14 +207,13 @@ const RimLattices& Backend::findRims(SignMode mode) {
   areRimsFound_ = true;
   const PackedMesh asTurned{mesh().vertices, mesh_.triangles, mesh().origin};
   if (areTurned()) return rims_ = findRimLattices(asTurned, job_->grid, mode);
-  if (!givenRims_) givenRims_ = findRimEdges(asTurned, spacing());
-  rims_ = findRimLattices(asTurned, *givenRims_, job_->grid, mode);
+  const std::vector<RimEdge>& given = mesh().rims(spacing());
+  rims_ = findRimLattices(asTurned, given, job_->grid, mode);
   // An edge of an odd number of faces is a rim, whichever of them are reversed. More rims need a fit, too.
   std::vector<RimEdge> odd;
-  std::ranges::copy_if(*givenRims_, std::back_inserter(odd),
-                       [](const RimEdge& e) { return e.times % 2 == 1; });
-  mustFit_ = !rims_.haveAll() && (odd.size() == givenRims_->size() ||
-                                  !findRimLattices(asTurned, odd, job_->grid, mode).haveAll());
+  std::ranges::copy_if(given, std::back_inserter(odd), [](const RimEdge& e) { return e.times % 2 == 1; });
+  mustFit_ = !rims_.haveAll() &&
+             (odd.size() == given.size() || !findRimLattices(asTurned, odd, job_->grid, mode).haveAll());
   return rims_;
 }
 
@@ -329,7 +336,7 @@ void Backend::finish() {
 
 size_t Backend::bytes() const {
   const Field& field = job_->field;
-  size_t total = meshBytes_ + field.distance.capacityBytes() + field.triangle.capacityBytes() +
+  size_t total = mesh().bytes() + field.distance.capacityBytes() + field.triangle.capacityBytes() +
                  field.winding.capacityBytes() + field.confidence.capacityBytes();
   total += mesh_.vertices.capacityBytes() + turnedTriangles_.capacityBytes() + rises_.capacityBytes() +
            wholeness_.capacityBytes() + surfaceTree_.bytes() + windingSolver_.bytes() +

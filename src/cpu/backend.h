@@ -18,9 +18,15 @@ namespace raymap::cpu {
 /// CPU backend: runs every stage of method/pipeline.h. Keeps its memory between runs.
 class Backend {
  public:
-  /// Sets the job of the next run. A copy of the caller's mesh holds `meshBytes` bytes. Without `frames`, the
-  /// numbers of samples and triangles decide where the tree has them.
-  void take(const Job& job, size_t meshBytes = 0, std::optional<Frames> frames = {});
+  Backend() = default;
+  /// Makes the tree and its dipoles in those of the caller.
+  Backend(SurfaceTree& tree, WindingDipoles& dipoles) : surfaceTree_(tree), windingDipoles_(dipoles) {}
+
+  /// Sets the job of the next run. Without `frames`, the numbers of samples and triangles decide where the
+  /// tree has them.
+  void take(const Job& job, std::optional<Frames> frames = {});
+  /// Takes a job and runs all stages. Throws `Error(Memory)` if that may need more than the options allow.
+  Stats run(const Job& job, std::optional<Frames> frames = {});
 
   const FieldOptions& options() const { return job_->options; }
   template <class Work>
@@ -45,7 +51,7 @@ class Backend {
   /// Returns true: memory grows as the stages need it.
   static bool complete() { return true; }
 
-  const PackedMesh& mesh() const { return job_->mesh; }
+  const Model& mesh() const { return job_->mesh; }
   Progress& progress() { return job_->progress; }
   double spacing() const { return job_->grid.spacing; }
   /// Returns the share of samples whose six rays disagree.
@@ -53,7 +59,6 @@ class Backend {
 
   FaceSides& faceSides() { return faceSides_; }
   DoubleSidedFaces doubleSidedFaces();
-  bool mayHaveInvertedParts() const { return raymap::mayHaveInvertedParts(mesh()); }
   void turnFaces(const Turns& turns);
   double misfit() const;
   bool contradictsParity();
@@ -69,11 +74,9 @@ class Backend {
   static size_t patchTreeBytes(size_t triangles) { return SurfaceTree::bytesNeeded(triangles); }
   void addPatch();
 
-  /// Gives away the tree of the last run's mesh, with the faces as given and one of each group of
-  /// double-sided ones, and its dipoles if they are prepared.
-  std::pair<SurfaceTree, WindingDipoles> takeTree();
-  /// Gives away the rims of the last run's mesh with the faces as given, if the run found them.
-  std::optional<std::vector<RimEdge>> takeGivenRims() { return std::exchange(givenRims_, std::nullopt); }
+  /// Leaves the tree with the faces of the last run as given, but one of each group of double-sided ones.
+  /// Its dipoles stay if they are of that tree.
+  void restoreTree();
 
   /// Returns the number of bytes held, with the field and the mesh's copy.
   size_t bytes() const;
@@ -101,13 +104,12 @@ class Backend {
   const Buffer<float>& windingBuffer() const { return options().winding ? job_->field.winding : winding_; }
 
   std::optional<Job> job_;
-  size_t meshBytes_ = 0;
   Frames frames_ = Frames::Stored;
 
   CellMesh mesh_;
   Buffer<glm::uvec3> turnedTriangles_;
   std::vector<CellLevel> levels_;  // lattices of the paper's distance stages
-  SurfaceTree surfaceTree_;
+  SurfaceTree ownTree_, &surfaceTree_ = ownTree_;
   DoubleSidedFaces doubleSided_;  // Each group is one face in the tree.
   Turns turns_;                   // Since the tree was built.
   bool hasSurfaceTree_ = false;
@@ -118,9 +120,8 @@ class Backend {
   ChangedFaces changedFaces_;  // Since the crossings were counted.
   RayMap rayMap_;
   Winding windingSolver_;
-  WindingDipoles windingDipoles_;
+  WindingDipoles ownDipoles_, &windingDipoles_ = ownDipoles_;
   double doubtfulShare_ = 0.0;
-  std::optional<std::vector<RimEdge>> givenRims_;  // Those of the faces as given, once they are needed.
   bool mustFit_ = false;  // Whether numbers do not all follow from rims, whichever faces are reversed.
   RimLattices rims_;
   bool areRimsFound_ = false;  // Whether `rims_` has those of the faces as the sign takes them.

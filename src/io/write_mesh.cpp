@@ -10,6 +10,7 @@
 #include "io/3mf/write_3mf.h"
 #include "io/file_format.h"
 #include "io/mesh/mesh_formats.h"
+#include "mesh/model.h"
 #include "mesh/strided_mesh.h"
 
 namespace raymap {
@@ -37,12 +38,13 @@ const MeshFormat& formatFor(const std::filesystem::path& path, std::string_view 
   return *format;
 }
 
-/// Returns the mesh moved by -offset. It refers to the arrays of the packer or the view.
-WritableMesh moved(const MeshView& view, const glm::dvec3& offset, MeshPacker& packer) {
+/// Returns the mesh moved by -offset. It refers to the arrays of the model.
+WritableMesh moved(const MeshView& view, const glm::dvec3& offset, Model& model) {
   for (int axis = 0; axis < 3; ++axis)
     if (!std::isfinite(offset[axis])) throw Error(ErrorCode::Usage, "the offset of a mesh must be finite");
   validate(view);
-  WritableMesh mesh{packer.pack(view)};
+  model.take(view);
+  WritableMesh mesh{model};
   mesh.origin -= offset;
   if (view.scalar != Scalar::Double) return mesh;
   mesh.exact.reserve(view.vertexCount);
@@ -88,8 +90,8 @@ void warnOfShift(const std::filesystem::path& path, const WritableMesh& mesh, co
 
 void writeMesh(const std::filesystem::path& path, const MeshView& view, const MeshWriteOptions& options) {
   const MeshFormat& format = formatFor(path, options.format);
-  MeshPacker packer;
-  const WritableMesh mesh = moved(view, options.offset, packer);
+  Model model;
+  const WritableMesh mesh = moved(view, options.offset, model);
   if (format.precision == Precision::Single) warnOfShift(path, mesh, options.warn);
   try {
     writeAtomically(path, [&](std::ostream& out) {
@@ -108,8 +110,8 @@ void writeMesh(const std::filesystem::path& path, const MeshView& view, const Me
 
 Mesh asStored(const std::filesystem::path& path, const MeshView& view, const MeshWriteOptions& options) {
   const MeshFormat& format = formatFor(path, options.format);
-  MeshPacker packer;
-  Mesh mesh = rounded(moved(view, options.offset, packer), format.precision);
+  Model model;
+  Mesh mesh = rounded(moved(view, options.offset, model), format.precision);
   if (!format.write) std::erase_if(mesh.triangles, [](const glm::uvec3& t) { return !isIn3mf(t); });
   mesh.origin += options.offset;
   return mesh;

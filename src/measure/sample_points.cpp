@@ -11,7 +11,7 @@
 #include "base/require.h"
 #include "base/text.h"
 #include "measure/random_numbers.h"
-#include "mesh/packed_mesh.h"
+#include "mesh/model.h"
 #include "mesh/triangle.h"
 
 namespace raymap {
@@ -241,8 +241,7 @@ PointSamples samplePoints(const Surface& surface, const SamplePointsOptions& opt
   PointSamples samples{.points = Buffer<glm::dvec3>(options.count),
                        .distance = Buffer<double>(options.count),
                        .gradient = Buffer<glm::dvec3>(options.count)};
-  MeshPacker packer;
-  const PackedMesh mesh = packer.pack(surface.mesh());
+  const Model mesh(surface.mesh());
   const BoundingSphere sphere(mesh);
   const AreaSampler areas(mesh, surface.stats());
   RandomNumbers random(options.seed);

@@ -9,6 +9,7 @@
 
 #include "base/memory.h"
 #include "mesh/face_points.h"
+#include "mesh/model.h"
 #include "mesh/triangle.h"
 
 namespace raymap {
@@ -51,7 +52,8 @@ void checkPoints(const PackedMesh& mesh, double step) {
 
 }  // namespace
 
-std::vector<FacePoint> spreadPoints(const PackedMesh& mesh, size_t count) {
+std::vector<FacePoint> spreadPoints(const MeshView& view, size_t count) {
+  const Model mesh(view);
   double total = 0.0;
   for (const glm::uvec3& face : mesh.triangles) total += areaOf(mesh, face);
   const double each = total / double(count);
@@ -70,8 +72,7 @@ std::vector<FacePoint> spreadPoints(const PackedMesh& mesh, size_t count) {
 }
 
 std::vector<FacePoint> sampleFaces(const MeshView& view, double step) {
-  MeshPacker packer;
-  const PackedMesh mesh = packer.pack(view);
+  const Model mesh(view);
   checkPoints(mesh, step);
   std::vector<FacePoint> points;
   for (uint32_t t = 0; t < mesh.triangles.size(); ++t) {

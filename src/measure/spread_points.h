@@ -10,6 +10,6 @@ namespace raymap {
 
 /// Returns points on the faces of a mesh that stand for equal areas, in the order of the faces. Places within
 /// a face follow the R2 sequence (Roberts 2018).
-std::vector<FacePoint> spreadPoints(const PackedMesh& mesh, size_t count);
+std::vector<FacePoint> spreadPoints(const MeshView& view, size_t count);
 
 }  // namespace raymap

@@ -77,8 +77,7 @@ ThicknessSummary summarizeThickness(std::span<const FacePoint> points, std::span
 
 ThicknessSummary summarizeThickness(const Surface& surface, const ThicknessOptions& options,
                                     const MachineOptions& machine) {
-  MeshPacker packer;
-  const std::vector<FacePoint> points = spreadPoints(packer.pack(surface.mesh()), kSummaryPoints);
+  const std::vector<FacePoint> points = spreadPoints(surface.mesh(), kSummaryPoints);
   return summarizeThickness(points, surface.thickness(points, options, machine));
 }
 

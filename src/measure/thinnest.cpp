@@ -20,8 +20,7 @@ constexpr double kMostLeftOut = 0.002;  // Share of the area that may be thinner
 
 std::optional<double> findThinnest(const MeshView& view, double maxThickness, const MachineOptions& machine) {
   const Surface surface(view, {}, machine);
-  MeshPacker packer;
-  const std::vector<FacePoint> points = spreadPoints(packer.pack(surface.mesh()), kPoints);
+  const std::vector<FacePoint> points = spreadPoints(surface.mesh(), kPoints);
   std::vector<float> diameters;
   for (const Thickness& t : surface.thickness(points, {.maxThickness = maxThickness}, machine))
     if (t.part == Part::Wall) diameters.push_back(t.diameter);

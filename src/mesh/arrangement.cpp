@@ -40,12 +40,10 @@ bool areNestedRight(const Pieces& found) {
   });
 }
 
-Arrangement arrange(const PackedMesh& mesh, bool doFacesMeet, Progress& progress) {
-  Buffer<SortKey> keys;
-  const Welding welding = weldVertices(mesh.vertices, keys);
-  const std::span<const SortKey> halfEdges = sortHalfEdges(mesh, welding, keys);
-  if (halfEdges.size() != 3 * mesh.triangles.size()) return Arrangement::Unknown;  // Corners are repeated.
-  Pieces found = findPieces(mesh, findPatches(mesh, welding, halfEdges));
+Arrangement arrange(const Model& mesh, bool doFacesMeet, Progress& progress) {
+  if (mesh.halfEdges().size() != 3 * mesh.triangles.size())
+    return Arrangement::Unknown;  // Corners are repeated.
+  Pieces found = findPieces(mesh);
   const bool areSeveral = found.pieces.size() > 1;
   const Meetings meetings = doFacesMeet && areSeveral ? findMeetings(mesh, found, progress) : Meetings{};
   if (meetings.cross) return Arrangement::Overlapping;
@@ -64,8 +62,7 @@ Arrangement arrangeParts(const MeshView& view, const Diagnostics& diagnostics,
                          const SelfIntersections& crossings, const MachineOptions& machine) {
   validate(view);
   if (!diagnostics.watertight || !diagnostics.consistentlyOriented) return Arrangement::Unknown;
-  MeshPacker packer;
-  const PackedMesh mesh = packer.pack(view);
+  const Model mesh(view);
   Progress progress(machine.progress);
   Arrangement arrangement = Arrangement::Unknown;
   progress.stage("parts", [&] {

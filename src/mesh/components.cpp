@@ -24,11 +24,11 @@ struct Measure {
 };
 
 /// Adds each face to its component.
-void addFaces(const PackedMesh& mesh, const Welding& welding, const glm::dvec3& centre,
-              Components& components, std::span<Measure> measures) {
-  forEachFaceMeasure(mesh, welding, centre, [&](size_t face, const FaceMeasure& measure) {
+void addFaces(const Model& mesh, const glm::dvec3& centre, Components& components,
+              std::span<Measure> measures) {
+  forEachFaceMeasure(mesh, centre, [&](size_t face, const FaceMeasure& measure) {
     if (!measure.isSurface) return;
-    Measure& m = measures[components.componentOf(welding.ids[mesh.triangles[face].x])];
+    Measure& m = measures[components.componentOf(mesh.welding().ids[mesh.triangles[face].x])];
     m.area += measure.area;
     m.volume += measure.volume;
   });
@@ -36,7 +36,9 @@ void addFaces(const PackedMesh& mesh, const Welding& welding, const glm::dvec3& 
 
 }  // namespace
 
-Components::Components(std::span<const SortKey> halfEdges, size_t positions) : sets_(positions) {
+Components::Components(const Model& mesh) : sets_(mesh.welding().count) {
+  const std::span<const SortKey> halfEdges = mesh.halfEdges();
+  const size_t positions = mesh.welding().count;
   std::vector<uint8_t> isLinked(positions, 0);  // Whether another position was linked to this one.
   parallelFor(halfEdges.size(), kCheapGrain, [&](size_t begin, size_t end) {
     for (size_t k = begin; k < end; ++k) {
@@ -54,13 +56,13 @@ uint32_t Components::componentOf(uint32_t position) {
   return uint32_t(std::lower_bound(roots_.begin(), roots_.end(), sets_.root(position)) - roots_.begin());
 }
 
-void measureComponents(const PackedMesh& mesh, const Welding& welding, Components& components,
-                       std::span<const TracedHole> holes, Diagnostics& found) {
+void measureComponents(const Model& mesh, Components& components, std::span<const TracedHole> holes,
+                       Diagnostics& found) {
   std::vector<Measure> measures(components.count());
   if (measures.size() == 1)
     measures[0] = {.area = found.area, .volume = found.signedVolume};
   else
-    addFaces(mesh, welding, found.bounds.centre() - mesh.origin, components, measures);
+    addFaces(mesh, found.bounds.centre() - mesh.origin, components, measures);
   for (const TracedHole& hole : holes) {
     Measure& m = measures[components.componentOf(hole.position)];
     m.holeArea += hole.hole.area;

@@ -7,16 +7,15 @@
 #include <vector>
 
 #include "mesh/disjoint_sets.h"
-#include "mesh/half_edges.h"
 #include "mesh/holes.h"
+#include "mesh/model.h"
 
 namespace raymap {
 
 /// Parts of a surface that are connected through shared vertices.
 class Components {
  public:
-  /// Finds the components among the positions that half edges link.
-  Components(std::span<const SortKey> halfEdges, size_t positions);
+  explicit Components(const Model& mesh);
 
   size_t count() const { return roots_.size(); }
   /// Returns the component of a position that a half edge has.
@@ -29,7 +28,7 @@ class Components {
 
 /// Sets the counts of components that are open, inward or sheets. The area, the volume and the bounds must be
 /// known.
-void measureComponents(const PackedMesh& mesh, const Welding& welding, Components& components,
-                       std::span<const TracedHole> holes, Diagnostics& found);
+void measureComponents(const Model& mesh, Components& components, std::span<const TracedHole> holes,
+                       Diagnostics& found);
 
 }  // namespace raymap

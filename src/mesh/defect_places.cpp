@@ -77,8 +77,8 @@ DefectList listFaces(const PackedMesh& mesh, const Welding& welding, Defect defe
           .places = groupTouching(mesh, welding, corners)};
 }
 
-std::vector<DefectList> listAll(const PackedMesh& mesh, Defects found) {
-  const Welding welding = weldVertices(mesh.vertices);
+std::vector<DefectList> listAll(const Model& mesh, Defects found) {
+  const Welding& welding = mesh.welding();
   std::vector<DefectList> lists;
   const auto addEdges = [&](Defect defect, std::string_view name, const std::vector<EdgeEnds>& edges) {
     if (!edges.empty()) lists.push_back(listEdges(mesh, welding, defect, name, edges));
@@ -101,8 +101,7 @@ std::vector<DefectList> listAll(const PackedMesh& mesh, Defects found) {
 }  // namespace
 
 std::vector<DefectList> findDefectPlaces(const MeshView& view, const MachineOptions& machine) {
-  MeshPacker packer;
-  const PackedMesh mesh = packer.pack(view);
+  const Model mesh(view);
   std::vector<DefectList> lists;
   withThreads(machine.threads, [&] { lists = listAll(mesh, findDefects(mesh, machine.progress)); });
   return lists;

@@ -15,7 +15,7 @@ namespace raymap {
 namespace {
 
 /// Finds the faces that have the same three distinct corners as an earlier face.
-std::vector<uint32_t> findDuplicates(const PackedMesh& mesh, const Welding& welding) {
+std::vector<uint32_t> findDuplicates(const Model& mesh) {
   struct Corners {
     std::array<uint32_t, 3> ids;
     uint32_t face;
@@ -25,7 +25,7 @@ std::vector<uint32_t> findDuplicates(const PackedMesh& mesh, const Welding& weld
   };
   std::vector<Corners> corners(mesh.triangles.size());
   for (uint32_t face = 0; face < corners.size(); ++face) {
-    const glm::uvec3 welded = weldedFace(mesh, welding, face);
+    const glm::uvec3 welded = weldedFace(mesh, mesh.welding(), face);
     corners[face] = {{welded.x, welded.y, welded.z}, face};
     std::sort(corners[face].ids.begin(), corners[face].ids.end());
   }
@@ -56,26 +56,24 @@ std::vector<uint32_t> findFlippedFaces(const Patches& patches) {
   return flipped;
 }
 
-Defects findDefects(const PackedMesh& mesh, const ProgressCallback& progress) {
+Defects findDefects(const Model& mesh, const ProgressCallback& progress) {
   validate(mesh);
-  Buffer<SortKey> keys;
-  const Welding welding = weldVertices(mesh.vertices, keys);
-  const std::vector<uint32_t> vertexOf = welding.vertices();
+  const std::vector<uint32_t> vertexOf = mesh.welding().vertices();
   Defects defects;
-  const std::span<const SortKey> halfEdges = sortHalfEdges(mesh, welding, keys);
+  const std::span<const SortKey> halfEdges = mesh.halfEdges();
   forEachEdge(halfEdges, 0, halfEdges.size(), [&](std::span<const SortKey> edge) {
     if (edge.size() == 2) return;
     const HalfEdge first = halfEdgeOf(edge[0]);
     (edge.size() == 1 ? defects.boundaryEdges : defects.nonManifoldEdges)
         .push_back({vertexOf[first.low], vertexOf[first.high]});
   });
-  defects.flippedFaces = findFlippedFaces(findPatches(mesh, welding, halfEdges));
-  defects.duplicateFaces = findDuplicates(mesh, welding);
+  defects.flippedFaces = findFlippedFaces(findPatches(mesh));
+  defects.duplicateFaces = findDuplicates(mesh);
   const DoubleSidedFaces doubleSided = findDoubleSidedFaces(mesh);
   defects.doubleSidedFaces = doubleSided.firsts;
   defects.doubleSidedFaces.insert(defects.doubleSidedFaces.end(), doubleSided.others.begin(),
                                   doubleSided.others.end());
-  forEachFaceMeasure(mesh, welding, glm::dvec3(0.0), [&](size_t face, const FaceMeasure& measure) {
+  forEachFaceMeasure(mesh, glm::dvec3(0.0), [&](size_t face, const FaceMeasure& measure) {
     if (measure.isDegenerate) defects.degenerateFaces.push_back(uint32_t(face));
   });
   SelfIntersections crossings = findSelfIntersections(mesh, {.progress = progress});

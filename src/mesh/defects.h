@@ -5,7 +5,6 @@
 #include <cstdint>
 #include <vector>
 
-#include "mesh/packed_mesh.h"
 #include "mesh/patches.h"
 
 namespace raymap {
@@ -23,7 +22,7 @@ struct Defects {
 };
 
 /// Finds all defects. Throws `Error`: Input if the mesh is not valid, Cancelled.
-Defects findDefects(const PackedMesh& mesh, const ProgressCallback& progress = {});
+Defects findDefects(const Model& mesh, const ProgressCallback& progress = {});
 
 /// Returns the fewest faces to reverse so that neighbours across edges with two faces agree. It does not
 /// matter which side is outside.

@@ -21,9 +21,9 @@ namespace {
 
 /// Measures area and volume, and counts degenerate faces. The volume is taken about the centre of the bounds,
 /// so that an open mesh's volume does not depend on its position.
-void measureFaces(const PackedMesh& mesh, const Welding& welding, Diagnostics& found) {
+void measureFaces(const Model& mesh, Diagnostics& found) {
   const glm::dvec3 centre = found.bounds.centre() - mesh.origin;
-  forEachFaceMeasure(mesh, welding, centre, [&](size_t, const FaceMeasure& measure) {
+  forEachFaceMeasure(mesh, centre, [&](size_t, const FaceMeasure& measure) {
     found.degenerateFaces += measure.isDegenerate ? 1 : 0;
     if (!measure.isSurface) return;
     found.area += measure.area;
@@ -31,10 +31,10 @@ void measureFaces(const PackedMesh& mesh, const Welding& welding, Diagnostics& f
   });
 }
 
-std::vector<TracedHole> findHoles(const PackedMesh& mesh, const Welding& welding,
+std::vector<TracedHole> findHoles(const Model& mesh,
                                   std::span<const std::pair<uint32_t, uint32_t>> boundary) {
   if (boundary.empty()) return {};
-  const std::vector<uint32_t> vertexOf = welding.vertices();
+  const std::vector<uint32_t> vertexOf = mesh.welding().vertices();
   return traceHoles(boundary, [&](uint32_t position) { return mesh.position(vertexOf[position]); });
 }
 
@@ -87,15 +87,14 @@ EdgeCounts countEdges(std::span<const SortKey> halfEdges) {
 
 /// Counts duplicate and double-sided faces among those that may have the same corners as another one. Returns
 /// the other sides of double-sided ones.
-std::vector<uint32_t> countLayers(const PackedMesh& mesh, const Welding& welding,
-                                  std::vector<uint32_t>& layers, Diagnostics& found) {
+std::vector<uint32_t> countLayers(const Model& mesh, std::vector<uint32_t>& layers, Diagnostics& found) {
   parallelSort(layers.begin(), layers.end());
   layers.erase(std::unique(layers.begin(), layers.end()), layers.end());
   std::vector<glm::uvec3> faces(layers.size());
   std::vector<std::array<uint32_t, 3>> corners(layers.size());
   for (size_t f = 0; f < layers.size(); ++f) {
     faces[f] = mesh.triangles[layers[f]];
-    const glm::uvec3 welded = weldedFace(mesh, welding, layers[f]);
+    const glm::uvec3 welded = weldedFace(mesh, mesh.welding(), layers[f]);
     corners[f] = {welded.x, welded.y, welded.z};
     std::sort(corners[f].begin(), corners[f].end());
   }
@@ -126,32 +125,29 @@ Diagnostics diagnoseWithout(const PackedMesh& mesh, const std::vector<uint32_t>&
 }
 
 /// Finds the components and their shapes. Of a double-sided mesh, the shapes are those of one side.
-void findComponents(const PackedMesh& mesh, const Welding& welding, std::span<const SortKey> halfEdges,
-                    std::span<const TracedHole> holes, const std::vector<uint32_t>& otherSides,
-                    Diagnostics& found) {
-  Components components(halfEdges, welding.count);
+void findComponents(const Model& mesh, std::span<const TracedHole> holes,
+                    const std::vector<uint32_t>& otherSides, Diagnostics& found) {
+  Components components(mesh);
   found.components = components.count();
   if (isDoubleSided(found))
     setShapes(diagnoseWithout(mesh, otherSides), found);
   else
-    measureComponents(mesh, welding, components, holes, found);
+    measureComponents(mesh, components, holes, found);
 }
 
-Diagnostics diagnosePacked(const PackedMesh& mesh, bool isBrief, Progress& progress) {
+Diagnostics diagnose(const Model& mesh, bool isBrief, Progress& progress) {
   Diagnostics found;
-  Buffer<SortKey> keys;
-  const Welding welding = weldVertices(mesh.vertices, keys);
+  found.weldedVertices = mesh.welding().count;
   progress.report(0.3);
   found.vertices = mesh.vertices.size();
-  found.weldedVertices = welding.count;
   found.triangles = mesh.triangles.size();
   found.bounds = bounds(mesh);
   found.farVertices = findFarVertices({found.bounds.min - mesh.origin, found.bounds.max - mesh.origin},
                                       mesh.vertices, mesh.triangles)
                           .count;
-  measureFaces(mesh, welding, found);
+  measureFaces(mesh, found);
   progress.report(0.4);
-  const std::span<const SortKey> halfEdges = sortHalfEdges(mesh, welding, keys);
+  const std::span<const SortKey> halfEdges = mesh.halfEdges();
   progress.report(0.7);
   EdgeCounts edges = countEdges(halfEdges);
   found.boundaryEdges = edges.boundary.size();
@@ -160,16 +156,15 @@ Diagnostics diagnosePacked(const PackedMesh& mesh, bool isBrief, Progress& progr
   found.balanced = !halfEdges.empty() && edges.isBalanced;
   found.watertight = !halfEdges.empty() && found.boundaryEdges == 0 && found.nonManifoldEdges == 0;
   found.consistentlyOriented = found.flippedEdges == 0;
-  const std::vector<uint32_t> otherSides = countLayers(mesh, welding, edges.layers, found);
+  const std::vector<uint32_t> otherSides = countLayers(mesh, edges.layers, found);
   if (isBrief) return found;
   progress.report(0.8);
-  const std::vector<TracedHole> holes = findHoles(mesh, welding, edges.boundary);
+  const std::vector<TracedHole> holes = findHoles(mesh, edges.boundary);
   for (const TracedHole& hole : holes) found.holes.push_back(hole.hole);
   progress.report(0.85);
-  findComponents(mesh, welding, halfEdges, holes, otherSides, found);
+  findComponents(mesh, holes, otherSides, found);
   progress.report(0.9);
-  if (!found.consistentlyOriented)
-    found.flippedFaces = findFlippedFaces(findPatches(mesh, welding, halfEdges)).size();
+  if (!found.consistentlyOriented) found.flippedFaces = findFlippedFaces(findPatches(mesh)).size();
   return found;
 }
 
@@ -177,12 +172,11 @@ Diagnostics diagnosePacked(const PackedMesh& mesh, bool isBrief, Progress& progr
 
 Diagnostics diagnose(const MeshView& view, const DiagnoseOptions& options, const MachineOptions& machine) {
   validate(view);
-  MeshPacker packer;
-  const PackedMesh mesh = packer.pack(view);
+  const Model mesh(view);
   Progress progress(machine.progress);
   Diagnostics found;
   progress.stage("diagnose", [&] {
-    withThreads(machine.threads, [&] { found = diagnosePacked(mesh, options.brief, progress); });
+    withThreads(machine.threads, [&] { found = diagnose(mesh, options.brief, progress); });
   });
   return found;
 }

@@ -6,8 +6,7 @@
 #include <span>
 
 #include "base/parallel.h"
-#include "mesh/packed_mesh.h"
-#include "mesh/weld.h"
+#include "mesh/model.h"
 
 namespace raymap {
 
@@ -24,14 +23,13 @@ FaceMeasure measureFace(const PackedMesh& mesh, const Welding& welding, size_t f
 /// Calls `visit(face, measure)` for each face, in order. So sums do not depend on the number of threads,
 /// which measure the faces.
 template <class Visit>
-void forEachFaceMeasure(const PackedMesh& mesh, const Welding& welding, const glm::dvec3& centre,
-                        Visit&& visit) {
+void forEachFaceMeasure(const Model& mesh, const glm::dvec3& centre, Visit&& visit) {
   constexpr size_t kFacesPerTask = size_t{1} << 13, kFacesPerRound = size_t{1} << 17;
   Buffer<FaceMeasure> measures(std::min(kFacesPerRound, mesh.triangles.size()));
   for (size_t first = 0; first < mesh.triangles.size(); first += kFacesPerRound) {
     const size_t count = std::min(kFacesPerRound, mesh.triangles.size() - first);
     parallelFor(count, kFacesPerTask, [&](size_t begin, size_t end) {
-      for (size_t f = begin; f < end; ++f) measures[f] = measureFace(mesh, welding, first + f, centre);
+      for (size_t f = begin; f < end; ++f) measures[f] = measureFace(mesh, mesh.welding(), first + f, centre);
     });
     for (size_t f = 0; f < count; ++f) visit(first + f, measures[f]);
   }

@@ -69,9 +69,8 @@ struct FormedParts {
 
 class PartFormer {
  public:
-  PartFormer(const PackedMesh& mesh, const MeasuredParts& found, const Welding& welding,
-             const std::vector<Forms>& forms)
-      : mesh_(mesh), found_(found), welding_(welding), forms_(forms), vertexAt_(welding.count, kNone) {}
+  PartFormer(const Model& mesh, const MeasuredParts& found, const std::vector<Forms>& forms)
+      : mesh_(mesh), found_(found), forms_(forms), vertexAt_(mesh.welding().count, kNone) {}
 
   FormedParts form() {
     for (uint32_t f = 0; f < found_.ofFace.size(); ++f)
@@ -91,7 +90,7 @@ class PartFormer {
   void addCorners(uint32_t face) {
     const auto [a, b, c] = mesh_.corners(mesh_.triangles[face]);
     const glm::dvec3 normal = unitNormal(a, b, c);
-    const glm::uvec3 welded = weldedFace(mesh_, welding_, face);
+    const glm::uvec3 welded = weldedFace(mesh_, mesh_.welding(), face);
     glm::uvec3 corners;
     for (int k = 0; k < 3; ++k) {
       corners[k] = vertexOf(welded[k], mesh_.triangles[face][k], found_.ofFace[face]);
@@ -129,9 +128,8 @@ class PartFormer {
     }
   }
 
-  const PackedMesh& mesh_;
+  const Model& mesh_;
   const MeasuredParts& found_;
-  const Welding& welding_;
   const std::vector<Forms>& forms_;
   std::vector<uint32_t> given_;      // The faces, part by part.
   std::vector<glm::uvec3> corners_;  // New vertices of each.
@@ -149,9 +147,8 @@ struct LinkedParts {
 
 /// Finds which parts cross. Of two parts the smaller one is shrunk, so that it lies within the larger one, or
 /// beside it, where it only touches.
-LinkedParts linkCrossing(const PackedMesh& mesh, const MeasuredParts& found, const Welding& welding,
-                         const std::vector<Forms>& forms) {
-  const FormedParts formed = PartFormer(mesh, found, welding, forms).form();
+LinkedParts linkCrossing(const Model& mesh, const MeasuredParts& found, const std::vector<Forms>& forms) {
+  const FormedParts formed = PartFormer(mesh, found, forms).form();
   const auto sizeOf = [&](uint32_t part) { return std::pair(std::abs(found.parts[part].volume), part); };
   LinkedParts linked{DisjointSets(found.parts.size())};
   const auto visit = [&](const FacePair& pair) {
@@ -252,16 +249,13 @@ bool mayHaveInvertedParts(const PackedMesh& mesh) {
   return measureConnectedParts(mesh, weldVertices(mesh.vertices).ids).areMixed();
 }
 
-InvertedParts findInvertedParts(const PackedMesh& mesh) {
-  Buffer<SortKey> keys;
-  const Welding welding = weldVertices(mesh.vertices, keys);
-  const std::span<const SortKey> halfEdges = sortHalfEdges(mesh, welding, keys);
-  const MeasuredParts found = partsOf(mesh, findPatches(mesh, welding, halfEdges), halfEdges);
-  if (!found.areMixed() || !linkCrossing(mesh, found, welding, possibleForms(found.parts)).areMixed)
-    return {};
+InvertedParts findInvertedParts(const PackedMesh& given) {
+  const Model mesh(given);
+  const MeasuredParts found = partsOf(mesh, findPatches(mesh), mesh.halfEdges());
+  if (!found.areMixed() || !linkCrossing(mesh, found, possibleForms(found.parts)).areMixed) return {};
   std::vector<Forms> all(found.parts.size());
   for (size_t p = 0; p < all.size(); ++p) all[p] = found.parts[p].side() != 0 ? kGiven | kShrunk : 0;
-  LinkedParts linked = linkCrossing(mesh, found, welding, all);
+  LinkedParts linked = linkCrossing(mesh, found, all);
   std::vector<bool> turned = chooseTurned(found, linked.sets);
   InvertedParts inverted;
   for (size_t p = 0; p < turned.size(); ++p)

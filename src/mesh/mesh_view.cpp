@@ -6,12 +6,13 @@
 #include <cmath>
 #include <string>
 #include <type_traits>
+#include <utility>
 #include <vector>
 
 #include "base/parallel.h"
 #include "base/text.h"
 #include "mesh/area_bounds.h"
-#include "mesh/packed_mesh.h"
+#include "mesh/model.h"
 #include "mesh/single_origin.h"
 #include "mesh/strided_mesh.h"
 
@@ -197,26 +198,45 @@ void validate(const MeshView& view) {
   });
 }
 
-size_t MeshPacker::bytesNeeded(const MeshView& view) {
+size_t Model::bytesNeeded(const MeshView& view) {
   return isPacked(view) ? 0 : view.vertexCount * sizeof(glm::vec3) + view.triangleCount * sizeof(glm::uvec3);
 }
 
-PackedMesh MeshPacker::pack(const MeshView& view) {
-  if (isPacked(view))
-    return {{static_cast<const glm::vec3*>(view.vertices), view.vertexCount},
-            {static_cast<const glm::uvec3*>(view.triangles), view.triangleCount},
-            view.origin};
+void Model::take(const MeshView& view) {
+  forget();
+  if (isPacked(view)) {
+    PackedMesh::operator=({{static_cast<const glm::vec3*>(view.vertices), view.vertexCount},
+                           {static_cast<const glm::uvec3*>(view.triangles), view.triangleCount},
+                           view.origin});
+    return;
+  }
   if (view.vertexCount > UINT32_MAX)
     throw Error(ErrorCode::Unsupported, "the mesh has " + std::to_string(view.vertexCount) +
                                             " vertices; at most 4294967295 can be numbered");
-  return visitTypes(view, [&](const auto& mesh) -> PackedMesh {
-    copyTriangles(mesh, triangles_);
+  visitTypes(view, [&](const auto& mesh) {
+    copyTriangles(mesh, convertedTriangles_);
     const glm::dvec3 about = originOf(mesh, extentOf(mesh));
-    vertices_.resizeUninitialized(mesh.vertexCount());
+    convertedVertices_.resizeUninitialized(mesh.vertexCount());
     for (size_t v = 0; v < mesh.vertexCount(); ++v)
-      vertices_[v] = roundedToSingle(glm::dvec3(mesh.position(v)) - about);
-    return {vertices_, triangles_, view.origin + about};
+      convertedVertices_[v] = roundedToSingle(glm::dvec3(mesh.position(v)) - about);
+    PackedMesh::operator=({convertedVertices_, convertedTriangles_, view.origin + about});
   });
+}
+
+void Model::keep(const MeshView& view) {
+  take(view);
+  if (isPacked(view))
+    keep(Mesh{{vertices.begin(), vertices.end()}, {triangles.begin(), triangles.end()}, origin});
+}
+
+void Model::keep(Mesh&& mesh) {
+  kept_ = std::move(mesh);
+  take(kept_);
+}
+
+size_t Model::bytes() const {
+  return convertedVertices_.capacityBytes() + convertedTriangles_.capacityBytes() +
+         kept_.vertices.capacity() * sizeof(glm::vec3) + kept_.triangles.capacity() * sizeof(glm::uvec3);
 }
 
 }  // namespace raymap

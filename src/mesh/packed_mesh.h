@@ -1,6 +1,5 @@
 #pragma once
 
-#include <raymap/buffer.h>
 #include <raymap/mesh_view.h>
 
 #include <array>
@@ -25,23 +24,6 @@ struct PackedMesh {
   std::array<glm::dvec3, 3> corners(const glm::uvec3& face) const {
     return {glm::dvec3(vertices[face.x]), glm::dvec3(vertices[face.y]), glm::dvec3(vertices[face.z])};
   }
-};
-
-/// Packs views. Keeps the memory of what it converts for the next one.
-class MeshPacker {
- public:
-  /// Returns the view's own arrays where they are packed already, else arrays converted into memory of this
-  /// packer, which stay valid until the next call. Throws `Error(Input)` for a 64-bit index out of range,
-  /// `Error(Unsupported)` for more vertices than 32 bits can number.
-  PackedMesh pack(const MeshView& view);
-
-  /// Returns the bytes that `pack` needs for a view.
-  static size_t bytesNeeded(const MeshView& view);
-  size_t bytes() const { return vertices_.capacityBytes() + triangles_.capacityBytes(); }
-
- private:
-  Buffer<glm::vec3> vertices_;
-  Buffer<glm::uvec3> triangles_;
 };
 
 }  // namespace raymap

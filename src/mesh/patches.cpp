@@ -6,6 +6,7 @@
 
 #include "base/parallel.h"
 #include "mesh/disjoint_sets.h"
+#include "mesh/half_edges.h"
 
 namespace raymap {
 
@@ -56,9 +57,9 @@ struct Link {
 };
 
 /// Returns whether two faces at one edge share the third corner too: they are layers, not neighbours.
-bool coincide(const PackedMesh& mesh, const Welding& welding, const HalfEdge& a, const HalfEdge& b) {
+bool coincide(const Model& mesh, const HalfEdge& a, const HalfEdge& b) {
   const auto allCorners = [&](uint32_t face) {
-    const glm::uvec3 c = weldedFace(mesh, welding, face);
+    const glm::uvec3 c = weldedFace(mesh, mesh.welding(), face);
     return c.x ^ c.y ^ c.z;
   };
   return a.thirdBits == b.thirdBits && allCorners(a.face) == allCorners(b.face);
@@ -66,12 +67,11 @@ bool coincide(const PackedMesh& mesh, const Welding& welding, const HalfEdge& a,
 
 /// Calls `work(link)` for the edges that begin in [begin, end).
 template <class Work>
-void forEachLink(const PackedMesh& mesh, const Welding& welding, std::span<const SortKey> halfEdges,
-                 size_t begin, size_t end, Work&& work) {
-  forEachEdge(halfEdges, begin, end, [&](std::span<const SortKey> edge) {
+void forEachLink(const Model& mesh, size_t begin, size_t end, Work&& work) {
+  forEachEdge(mesh.halfEdges(), begin, end, [&](std::span<const SortKey> edge) {
     if (edge.size() != 2) return;
     const HalfEdge a = halfEdgeOf(edge[0]), b = halfEdgeOf(edge[1]);
-    if (!coincide(mesh, welding, a, b)) work(Link{a.face, b.face, a.isForward == b.isForward});
+    if (!coincide(mesh, a, b)) work(Link{a.face, b.face, a.isForward == b.isForward});
   });
 }
 
@@ -84,22 +84,23 @@ Buffer<uint32_t> faceRoots(DisjointSets& sets, size_t count) {
 }
 
 /// Links in order. Of links that contradict each other, the last one is dropped.
-FaceSets linkInOrder(const PackedMesh& mesh, const Welding& welding, std::span<const SortKey> halfEdges) {
+FaceSets linkInOrder(const Model& mesh) {
   DisjointSets single(mesh.triangles.size());
   FaceSets sets(faceRoots(single, mesh.triangles.size()));
-  forEachLink(mesh, welding, halfEdges, 0, halfEdges.size(),
+  forEachLink(mesh, 0, mesh.halfEdges().size(),
               [&](const Link& link) { sets.link(link.a, link.b, link.areOpposite); });
   return sets;
 }
 
 /// Links with all threads. If no links contradict each other, as usual, their order does not matter: those of
 /// faces that point to the same side come first, because they need no bits.
-FaceSets linkFaces(const PackedMesh& mesh, const Welding& welding, std::span<const SortKey> halfEdges) {
+FaceSets linkFaces(const Model& mesh) {
+  const std::span<const SortKey> halfEdges = mesh.halfEdges();
   std::vector<std::vector<Link>> opposite((halfEdges.size() + kCheapGrain - 1) / kCheapGrain);
   DisjointSets alike(mesh.triangles.size());
   parallelFor(opposite.size(), 1, [&](size_t task, size_t) {
     const size_t begin = task * kCheapGrain, end = std::min(begin + kCheapGrain, halfEdges.size());
-    forEachLink(mesh, welding, halfEdges, begin, end, [&](const Link& link) {
+    forEachLink(mesh, begin, end, [&](const Link& link) {
       if (link.areOpposite)
         opposite[task].push_back(link);
       else
@@ -109,14 +110,14 @@ FaceSets linkFaces(const PackedMesh& mesh, const Welding& welding, std::span<con
   FaceSets sets(faceRoots(alike, mesh.triangles.size()));
   for (const std::vector<Link>& links : opposite)
     for (const Link& link : links)
-      if (!sets.link(link.a, link.b, true)) return linkInOrder(mesh, welding, halfEdges);
+      if (!sets.link(link.a, link.b, true)) return linkInOrder(mesh);
   return sets;
 }
 
 }  // namespace
 
-Patches findPatches(const PackedMesh& mesh, const Welding& welding, std::span<const SortKey> halfEdges) {
-  FaceSets sets = linkFaces(mesh, welding, halfEdges);
+Patches findPatches(const Model& mesh) {
+  FaceSets sets = linkFaces(mesh);
   Patches patches{.ids = std::vector<uint32_t>(mesh.triangles.size()),
                   .isReversed = std::vector<uint8_t>(mesh.triangles.size())};
   for (uint32_t face = 0; face < mesh.triangles.size(); ++face) {
@@ -126,12 +127,6 @@ Patches findPatches(const PackedMesh& mesh, const Welding& welding, std::span<co
     patches.isReversed[face] = place.isReversed;
   }
   return patches;
-}
-
-Patches findPatches(const PackedMesh& mesh) {
-  Buffer<SortKey> keys;
-  const Welding welding = weldVertices(mesh.vertices, keys);
-  return findPatches(mesh, welding, sortHalfEdges(mesh, welding, keys));
 }
 
 }  // namespace raymap

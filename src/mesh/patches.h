@@ -1,6 +1,6 @@
 #pragma once
 
-#include "mesh/half_edges.h"
+#include "mesh/model.h"
 
 namespace raymap {
 
@@ -14,7 +14,6 @@ struct Patches {
 
 /// Finds the patches. Where links contradict each other (a Möbius strip), those of the higher vertices are
 /// dropped.
-Patches findPatches(const PackedMesh& mesh);
-Patches findPatches(const PackedMesh& mesh, const Welding& welding, std::span<const SortKey> halfEdges);
+Patches findPatches(const Model& mesh);
 
 }  // namespace raymap

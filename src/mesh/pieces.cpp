@@ -161,11 +161,8 @@ class Nesting {
 
 }  // namespace
 
-Pieces findPieces(const PackedMesh& mesh) {
-  return findPieces(mesh, findPatches(mesh));
-}
-
-Pieces findPieces(const PackedMesh& mesh, Patches patches) {
+Pieces findPieces(const Model& mesh) {
+  Patches patches = findPatches(mesh);
   Pieces found{.ids = std::move(patches.ids), .pieces = std::vector<Piece>(patches.count)};
   const std::vector<double> volumes = partVolumes(mesh, found.ids, patches.count);
   for (size_t p = 0; p < volumes.size(); ++p) found.pieces[p].volume = volumes[p];

@@ -29,8 +29,7 @@ struct Pieces {
 };
 
 /// Finds the pieces and their volumes.
-Pieces findPieces(const PackedMesh& mesh);
-Pieces findPieces(const PackedMesh& mesh, Patches patches);
+Pieces findPieces(const Model& mesh);
 
 /// Finds which pieces enclose which: rays from each one cross them. The rays start on at most `raysPerPiece`
 /// of its faces, spread evenly over their order. One is enough for surfaces that touch and cross nowhere. A

@@ -16,7 +16,7 @@
 #include "base/parallel.h"
 #include "base/progress.h"
 #include "base/sort_keys.h"
-#include "mesh/packed_mesh.h"
+#include "mesh/model.h"
 #include "predicates/triangle_triangle.h"
 
 namespace raymap {
@@ -305,8 +305,7 @@ bool forEachMeetingPair(const PackedMesh& mesh, const VisitPair& visit, Progress
 
 SelfIntersections findSelfIntersections(const MeshView& view, const MachineOptions& machine) {
   validate(view);
-  MeshPacker packer;
-  const PackedMesh mesh = packer.pack(view);
+  const Model mesh(view);
   Progress progress(machine.progress);
   SelfIntersections found;
   std::vector<bool> isCrossed(mesh.triangles.size()), isCoplanar(mesh.triangles.size());

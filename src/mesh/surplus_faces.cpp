@@ -5,14 +5,13 @@
 
 #include "mesh/disjoint_sets.h"
 #include "mesh/half_edges.h"
+#include "mesh/model.h"
 
 namespace raymap {
 
 std::vector<uint32_t> surplusFaces(const PackedMesh& mesh, std::vector<uint32_t> repeated) {
   if (repeated.empty()) return repeated;
-  Buffer<SortKey> keys;
-  const Welding welding = weldVertices(mesh.vertices, keys);
-  const std::span<const SortKey> halfEdges = sortHalfEdges(mesh, welding, keys);
+  const Model model(mesh);
   std::vector<bool> isRepeated(mesh.triangles.size());
   for (const uint32_t face : repeated) isRepeated[face] = true;
   // Repeated faces that share an edge are judged together.
@@ -23,7 +22,7 @@ std::vector<uint32_t> surplusFaces(const PackedMesh& mesh, std::vector<uint32_t>
     int given, without;
   };
   std::vector<Edge> edges;
-  forEachEdge(halfEdges, 0, halfEdges.size(), [&](std::span<const SortKey> run) {
+  forEachEdge(model.halfEdges(), 0, model.halfEdges().size(), [&](std::span<const SortKey> run) {
     Edge edge{UINT32_MAX, 0, 0};
     for (const SortKey& key : run) {
       const HalfEdge half = halfEdgeOf(key);

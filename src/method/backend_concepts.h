@@ -13,7 +13,7 @@
 
 #include "base/progress.h"
 #include "mesh/double_sided.h"
-#include "mesh/packed_mesh.h"
+#include "mesh/model.h"
 #include "method/cell_mesh.h"
 #include "method/close_holes_shared.h"
 #include "method/orientation_sheets.h"
@@ -23,7 +23,7 @@ namespace raymap {
 
 /// Input, output and progress of a run. Holds references only.
 struct Job {
-  PackedMesh mesh;
+  const Model& mesh;
   const Grid& grid;
   const FieldOptions& options;
   Progress& progress;
@@ -58,15 +58,14 @@ concept Backend = requires(B b, const char* name, void (*work)()) {
 /// A backend whose intermediate results the host can read between the stages.
 template <class B>
 concept HostBackend = Backend<B> && requires(B b, const Turns& turns, std::span<const glm::vec3> points) {
-  { b.mesh() } -> std::same_as<const PackedMesh&>;
+  { b.mesh() } -> std::same_as<const Model&>;
   { b.progress() } -> std::same_as<Progress&>;
   { b.spacing() } -> std::same_as<double>;        // Sample spacing in the mesh's units.
   { b.doubtfulShare() } -> std::same_as<double>;  // Share of samples whose six rays disagree.
 
   // For the stage `orientation`, which leaves its result in `faceSides`.
   b.faceSides();
-  { b.doubleSidedFaces() } -> std::same_as<DoubleSidedFaces>;  // Valid before any face is turned.
-  { b.mayHaveInvertedParts() } -> std::same_as<bool>;  // Of the mesh as given (mesh/inverted_parts.h).
+  { b.doubleSidedFaces() } -> std::convertible_to<DoubleSidedFaces>;  // Valid before any face is turned.
   b.turnFaces(turns);
   { b.misfit() } -> std::same_as<double>;
   { b.contradictsParity() } -> std::same_as<bool>;  // Valid after `misfit`.

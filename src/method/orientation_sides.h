@@ -165,7 +165,7 @@ void reverseFaces(B& backend, const ExaminedMesh& examined) {
 template <HostBackend B>
 void turnInvertedParts(B& backend) {
   FaceSides& sides = backend.faceSides();
-  if (sides.turns.empty() && !backend.mayHaveInvertedParts()) return;
+  if (sides.turns.empty() && !backend.mesh().mayHaveInvertedParts()) return;
   const PackedMesh& mesh = backend.mesh();
   const Buffer<glm::uvec3> faces = turnedTriangles(mesh.triangles, sides.turns);
   const PackedMesh taken{mesh.vertices, faces, mesh.origin};

@@ -38,11 +38,8 @@ OrientationSurface surfaceOf(const PackedMesh& given, Turns asGiven, std::vector
   std::vector<glm::uvec3> faces;
   faces.reserve(taken.size());
   for (const uint32_t face : taken) faces.push_back(given.triangles[face]);
-  const PackedMesh mesh{given.vertices, faces, given.origin};
-  Buffer<SortKey> keys;
-  const Welding welding = weldVertices(mesh.vertices, keys);
-  const std::span<const SortKey> halfEdges = sortHalfEdges(mesh, welding, keys);
-  const Patches patches = findPatches(mesh, welding, halfEdges);
+  const Model mesh(PackedMesh(given.vertices, faces, given.origin));
+  const Patches patches = findPatches(mesh);
   OrientationSurface surface{
       .taken = std::move(taken),
       .asGiven = std::move(asGiven),
@@ -63,7 +60,7 @@ OrientationSurface surfaceOf(const PackedMesh& given, Turns asGiven, std::vector
   }
   const std::vector<uint8_t>& directed = surface.isDirected;
   if (std::find(directed.begin(), directed.end(), 0) != directed.end())
-    surface.borders = findBorders(halfEdges, surface);
+    surface.borders = findBorders(mesh.halfEdges(), surface);
   return surface;
 }
 

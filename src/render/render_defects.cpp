@@ -214,8 +214,7 @@ std::array<uint8_t, 3> defectColour(Defect defect) {
 
 Picture renderDefects(const MeshView& view, const RenderOptions& options, const MachineOptions& machine) {
   Picture picture = makePicture(options.width, options.height);
-  MeshPacker packer;
-  const PackedMesh mesh = packer.pack(view);
+  const Model mesh(view);
   Defects defects;
   withThreads(machine.threads, [&] { defects = findDefects(mesh, machine.progress); });
   Drawing drawing(mesh, options);

@@ -212,7 +212,7 @@ std::vector<bool> findNeeded(const PackedMesh& mesh, const Mesh& surface, const 
 /// request.
 Mesh dropPieces(const Given& given, Field& solid, Mesh& surface, Progress& progress, RepairReport& report) {
   const RepairOptions& repair = given.repair;
-  Pieces found = findPieces(surface);
+  Pieces found = findPieces(Model(surface));
   nestPieces(surface, 1, found);
   Choice choice = choosePieces(found, repair, repair.keepCavities, report);
   if (!repair.dropSmaller && report.dropped.count > 0)
@@ -281,8 +281,7 @@ Repaired repair(const MeshView& view, const Grid& grid, const FieldOptions& opti
   checkOptions(grid, options);
   check(options);
   check(grid, repair);
-  MeshPacker packer;
-  const PackedMesh asGiven = packer.pack(view);
+  const Model asGiven(view);
   Repaired repaired;
   Mesh& result = repaired.mesh;
   RepairReport& report = repaired.report;
@@ -306,7 +305,7 @@ Repaired repair(const MeshView& view, const Grid& grid, const FieldOptions& opti
   Mended mended;
   stage("inspect", [&] { mended = inspectGiven(asGiven, options.orientation, repair, machine, repaired); });
   if (report.kept) return finish();
-  const PackedMesh mesh = mended.isChanged() ? PackedMesh(mended.mesh) : asGiven;
+  const PackedMesh mesh = mended.isChanged() ? PackedMesh(mended.mesh) : PackedMesh(asGiven);
   Given given(mesh, grid, options, repair, machine);
   Field solid = makeSolid(given, asGiven.triangles.size(), report.stats);
   report.leastThickness = leastThickness(repair, grid);

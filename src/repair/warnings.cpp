@@ -17,7 +17,7 @@ constexpr double kMostAdvised = 4.0 * double(kMostRepairSamples);  // Of a grid 
 
 /// Returns the number of solids that lie in cavities.
 size_t countLoose(const Mesh& mesh) {
-  Pieces found = findPieces(mesh);
+  Pieces found = findPieces(Model(mesh));
   nestPieces(mesh, 1, found);
   return size_t(std::ranges::count_if(
       found.pieces, [](const Piece& piece) { return !piece.isCavity() && piece.around != Piece::kNone; }));

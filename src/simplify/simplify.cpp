@@ -16,6 +16,7 @@
 #include "mesh/compact.h"
 #include "mesh/disjoint_sets.h"
 #include "mesh/face_points.h"
+#include "mesh/model.h"
 #include "mesh/part_volumes.h"
 #include "mesh/triangle.h"
 #include "simplify/decimate.h"
@@ -328,8 +329,7 @@ Simplified simplify(const MeshView& view, const SimplifyOptions& options, const 
   require(options.tolerance >= 0.0 && std::isfinite(options.tolerance), "the tolerance must not be negative");
   require(options.step >= 0.0 && std::isfinite(options.step), "the step must not be negative");
   validate(view);
-  MeshPacker packer;
-  const PackedMesh mesh = packer.pack(view);
+  const Model mesh(view);
   const bool isWanted =
       options.triangles > 0 ? mesh.triangles.size() > options.triangles : options.tolerance > 0.0;
   if (!isWanted || mesh.triangles.empty()) return kept(mesh);

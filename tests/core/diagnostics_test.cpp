@@ -95,7 +95,7 @@ TEST(Defects, NameTheFurtherFacesOnTheSameCorners) {
   mesh.triangles.emplace_back(face.y, face.x, face.z);        // 13
   mesh.triangles.insert(mesh.triangles.end(), 2, {0, 1, 1});  // Without three corners, they are no faces.
   mesh.triangles.insert(mesh.triangles.end(), 2, {0, 0, 1});
-  EXPECT_EQ(findDefects(mesh).duplicateFaces, (std::vector<uint32_t>{12, 13}));
+  EXPECT_EQ(findDefects(Model(mesh)).duplicateFaces, (std::vector<uint32_t>{12, 13}));
 }
 
 TEST(Diagnostics, KeepsRepeatedCornersOutOfTheEdges) {

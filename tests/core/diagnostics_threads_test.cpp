@@ -205,7 +205,7 @@ TEST(Patches, LinkInTheOrderOfEdges) {
     Mesh mesh = shapes::joined(shapes::sphere(1.0, 4), band(500, halfTurns));
     for (glm::uvec3& t : mesh.triangles)
       if (random() % 3 == 0) std::swap(t.x, t.y);
-    const Patches expected = patchesInOrder(mesh), found = findPatches(mesh);
+    const Patches expected = patchesInOrder(mesh), found = findPatches(Model(mesh));
     EXPECT_EQ(found.count, 2u);
     EXPECT_EQ(found.count, expected.count) << halfTurns;
     EXPECT_EQ(found.ids, expected.ids) << halfTurns;

@@ -164,7 +164,7 @@ TEST(Parts, AreNearPatches) {
     Mesh moved = box;
     moved.origin.x += 1.0 + gap;
     const Mesh both = shapes::joined(box, moved);
-    const Patches patches = findPatches(both);
+    const Patches patches = findPatches(Model(both));
     EXPECT_EQ(patches.count, 2u);
     const std::vector<uint32_t> parts = findParts(both, allFaces(both), patches, distance);
     EXPECT_EQ(parts[0], 0u);

@@ -102,7 +102,7 @@ TEST(Patches, DropTheLinkOfAMoebiusStripWithTheHighestVertices) {
     const uint32_t c = isLast ? 1 : a + 2, d = isLast ? 0 : a + 3;
     mesh.triangles.insert(mesh.triangles.end(), {{a, c, a + 1}, {a + 1, c, d}});
   }
-  const Patches patches = findPatches(mesh);
+  const Patches patches = findPatches(Model(mesh));
   EXPECT_EQ(patches.count, 1u);
   std::vector<uint8_t> isReversed(2 * kSquares);
   isReversed[2 * kSquares - 2] = isReversed[2 * kSquares - 1] = 1;

@@ -3,7 +3,7 @@
 
 #include <cstring>
 
-#include "mesh/packed_mesh.h"
+#include "mesh/model.h"
 #include "shapes.h"
 
 namespace raymap {
@@ -44,19 +44,18 @@ void expectSameField(const Mesh& mesh, const MeshView& view) {
 
 TEST(MeshView, OfAMeshIsReadInPlace) {
   const Mesh mesh = farBall();
-  MeshPacker packer;
-  const PackedMesh packed = packer.pack(mesh);
+  const Model packed(mesh);
   EXPECT_EQ(packed.vertices.data(), mesh.vertices.data());
   EXPECT_EQ(packed.triangles.data(), mesh.triangles.data());
   EXPECT_EQ(packed.origin, mesh.origin);
-  EXPECT_EQ(packer.bytes(), 0u);
+  EXPECT_EQ(packed.bytes(), 0u);
 }
 
 TEST(MeshView, OfPackedPointersIsReadInPlace) {
   const Mesh mesh = farBall();
   const MeshView view(&mesh.vertices[0].x, mesh.vertices.size(), &mesh.triangles[0].x, mesh.triangles.size(),
                       {}, mesh.origin);
-  EXPECT_EQ(MeshPacker::bytesNeeded(view), 0u);
+  EXPECT_EQ(Model::bytesNeeded(view), 0u);
   expectSameField(mesh, view);
 }
 
@@ -86,9 +85,8 @@ TEST(MeshView, HasTheBoundsOfThePackedMesh) {
   const std::vector<glm::dvec3> vertices = {{1e5 - third, -third, -7e4 - third},
                                             {1e5 + third, third, -7e4 + third}};
   const std::vector<glm::uvec3> triangles = {{0, 1, 1}};
-  MeshPacker packer;
   const MeshView view(vertices, triangles);
-  const Box box = bounds(view), packed = bounds(packer.pack(view));
+  const Box box = bounds(view), packed = bounds(Model(view));
   EXPECT_EQ(box.min, packed.min);
   EXPECT_EQ(box.max, packed.max);
   EXPECT_EQ(box.max.y, double(float(third)));
@@ -161,8 +159,7 @@ TEST(MeshView, NamesPositionsAsTheCallerGaveThem) {
       expectInputError(view, name);
       expectInputError(view, at);
     }
-    MeshPacker packer;
-    expectInputError(packer.pack(MeshView(positions, box.triangles)), at);
+    expectInputError(Model(MeshView(positions, box.triangles)), at);
   }
 }
 
@@ -173,8 +170,7 @@ TEST(MeshView, SkipsWhatLiesBetweenPositions) {
   MeshView view(mesh);
   view.vertices = padded.data();
   view.vertexStride = sizeof(glm::vec4);
-  MeshPacker packer;
-  const PackedMesh copy = packer.pack(view);
+  const Model copy(view);
   for (uint32_t v = 0; v < padded.size(); ++v) EXPECT_EQ(copy.position(v), mesh.position(v));
 }
 
@@ -189,12 +185,11 @@ TEST(MeshView, IsAsLargeAsItsOutermostTriangles) {
 
 TEST(MeshView, NeedsTheMemoryOfItsCopy) {
   const Mesh mesh = farBall();
-  EXPECT_EQ(MeshPacker::bytesNeeded(mesh), 0u);
+  EXPECT_EQ(Model::bytesNeeded(mesh), 0u);
   const std::vector<glm::dvec3> positions = positionsOf(mesh);
   const MeshView view(positions, mesh.triangles);
-  MeshPacker packer;
-  const PackedMesh copy = packer.pack(view);
-  EXPECT_EQ(MeshPacker::bytesNeeded(view), copy.vertices.size_bytes() + copy.triangles.size_bytes());
+  const Model copy(view);
+  EXPECT_EQ(Model::bytesNeeded(view), copy.vertices.size_bytes() + copy.triangles.size_bytes());
 }
 
 TEST(MeshView, HoldsItsCopyAgainstTheMemoryLimit) {

@@ -54,13 +54,12 @@ class FakeHostBackend : public FakeBackend {
  public:
   using FakeBackend::FakeBackend;
 
-  const PackedMesh& mesh() const { return mesh_; }
+  const Model& mesh() const { return mesh_; }
   Progress& progress() { return progress_; }
   double spacing() const { return 1.0; }
   double doubtfulShare() const { return 0.0; }
   FaceSides& faceSides() { return faceSides_; }
   DoubleSidedFaces doubleSidedFaces() const { return {}; }
-  bool mayHaveInvertedParts() const { return false; }
   void turnFaces(const Turns&) { ADD_FAILURE(); }
   double misfit() const { return 0.0; }
   bool contradictsParity() const { return false; }
@@ -76,7 +75,8 @@ class FakeHostBackend : public FakeBackend {
   void addPatch() { ADD_FAILURE(); }
 
  private:
-  PackedMesh mesh_;
+  Mesh triangle_{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}}};
+  Model mesh_{triangle_};
   Progress progress_;
   FaceSides faceSides_;
   HolePatch patch_;

@@ -8,7 +8,7 @@
 #include <cmath>
 #include <random>
 
-#include "mesh/packed_mesh.h"
+#include "mesh/model.h"
 
 namespace raymap {
 namespace {
@@ -143,8 +143,7 @@ TEST(SingleOrigin, OfAViewIsThatOfItsMesh) {
   const std::vector<glm::uvec3> triangles{{0, 1, 2}};
   const Mesh mesh = makeMesh(positions, triangles);
   const MeshView view(positions, triangles);
-  MeshPacker packer;
-  const PackedMesh packed = packer.pack(view);
+  const Model packed(view);
   EXPECT_EQ(packed.origin, mesh.origin);
   EXPECT_TRUE(std::equal(packed.vertices.begin(), packed.vertices.end(), mesh.vertices.begin()));
   EXPECT_EQ(bounds(view), bounds(mesh));

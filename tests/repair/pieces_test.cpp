@@ -27,7 +27,7 @@ Mesh nestedCubes() {
 }
 
 Pieces nested(const Mesh& mesh, size_t rays = 1) {
-  Pieces found = findPieces(mesh);
+  Pieces found = findPieces(Model(mesh));
   nestPieces(mesh, rays, found);
   return found;
 }
@@ -127,7 +127,7 @@ TEST(Pieces, AreNotApartIfTheOnlyRayOfOneStartsOnAnother) {
     tip.origin.x -= gap;
     return joined(cube(0, 10), tip);
   };
-  EXPECT_GT(findPieces(mesh(0.0)).pieces[1].volume, 0.0);
+  EXPECT_GT(findPieces(Model(mesh(0.0))).pieces[1].volume, 0.0);
   EXPECT_FALSE(nested(mesh(0.0), 1).areApart());
   EXPECT_TRUE(nested(mesh(0.001), 1).areApart());
 }
@@ -174,7 +174,7 @@ TEST(DropPieces, KeepsPartsOfEqualSizeAndAtTheLimit) {
   RepairReport report;
   const Mesh two = joined(cube(0, 1), cube(4, 5));
   EXPECT_EQ(chosen(two, {}, report).count, 0u);
-  EXPECT_EQ(chosen(two, {.dropSmaller = findPieces(two).pieces[0].volume}, report).count, 0u);
+  EXPECT_EQ(chosen(two, {.dropSmaller = findPieces(Model(two)).pieces[0].volume}, report).count, 0u);
   EXPECT_EQ(chosen(two, {.dropSmaller = 1.001}, report).count, 2u);
 }
 

@@ -184,24 +184,25 @@ TEST(Orientation, DoesNotDependOnTheGeneratorsLastMesh) {
 }
 
 TEST(Patches, LinkAcrossManifoldEdges) {
-  const Patches ball = findPatches(flipped(shapes::sphere(1.0, 2), 0.5));
+  const Patches ball = findPatches(Model(flipped(shapes::sphere(1.0, 2), 0.5)));
   EXPECT_EQ(ball.count, 1u);
   const Mesh mesh = flipped(shapes::sphere(1.0, 2), 0.5);
   Mesh turned = mesh;
   for (size_t f = 0; f < turned.triangles.size(); ++f)
     if (ball.isReversed[f]) std::swap(turned.triangles[f].y, turned.triangles[f].z);
-  const Patches straight = findPatches(turned);
+  const Patches straight = findPatches(Model(turned));
   EXPECT_EQ(0, std::count(straight.isReversed.begin(), straight.isReversed.end(), 1));
-  EXPECT_EQ(findPatches(soupOf(mesh)).count, mesh.triangles.size());
-  EXPECT_EQ(findPatches(shapes::joined(mesh, mesh)).count, 2 * mesh.triangles.size());  // Four faces an edge.
+  EXPECT_EQ(findPatches(Model(soupOf(mesh))).count, mesh.triangles.size());
+  EXPECT_EQ(findPatches(Model(shapes::joined(mesh, mesh))).count,
+            2 * mesh.triangles.size());  // Four faces an edge.
 }
 
 TEST(Patches, SetDegenerateAndDoubledFacesApart) {
   const std::vector<glm::dvec3> p{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
-  EXPECT_EQ(findPatches(makeMesh(p, {{0, 1, 2}, {0, 2, 1}})).count, 2u);
-  EXPECT_EQ(findPatches(makeMesh(p, {{0, 1, 2}, {0, 1, 2}})).count, 2u);
-  EXPECT_EQ(findPatches(makeMesh(p, {{0, 1, 2}, {0, 0, 1}})).count, 1u + 1u);
-  EXPECT_EQ(findPatches(makeMesh(p, {{0, 1, 2}, {1, 0, 3}, {0, 1, 3}})).count, 3u);
+  EXPECT_EQ(findPatches(Model(makeMesh(p, {{0, 1, 2}, {0, 2, 1}}))).count, 2u);
+  EXPECT_EQ(findPatches(Model(makeMesh(p, {{0, 1, 2}, {0, 1, 2}}))).count, 2u);
+  EXPECT_EQ(findPatches(Model(makeMesh(p, {{0, 1, 2}, {0, 0, 1}}))).count, 1u + 1u);
+  EXPECT_EQ(findPatches(Model(makeMesh(p, {{0, 1, 2}, {1, 0, 3}, {0, 1, 3}}))).count, 3u);
 }
 
 TEST(Orientation, ExaminesFacesOnlyIfASignContradictsTheParity) {

@@ -165,8 +165,9 @@ TEST(SurfaceTree, HoldsOneFaceOfEachDoubleSidedGroup) {
     if (t.x % 3 == 0) t = {t.y, t.z, t.x};
   std::shuffle(mesh.triangles.begin(), mesh.triangles.end(), std::mt19937(2));
   SurfaceTree tree;
-  const OwnCellMesh cells = cellsOf(mesh);
-  const DoubleSidedFaces found = tree.buildSingleSided(cells, mesh.vertices);
+  CellMesh cells;
+  toCellUnits(mesh, Grid{{20, 20, 20}, glm::dvec3(0.0), 1.0}, cells);
+  const DoubleSidedFaces found = tree.buildSingleSided(cells);
   const DoubleSidedFaces expected = findDoubleSidedFaces(mesh);
   EXPECT_GT(expected.firsts.size(), 5000u);
   EXPECT_EQ(found.firsts, expected.firsts);
@@ -279,8 +280,9 @@ RunResult run(const Mesh& mesh, const Grid& grid, std::optional<Frames> frames) 
   const FieldOptions options{.triangle = true, .winding = true, .confidence = true};
   Progress progress;
   RunResult result;
+  const Model model(mesh);
   cpu::Backend backend;
-  backend.take({mesh, grid, options, progress, result.field}, 0, frames);
+  backend.take({model, grid, options, progress, result.field}, frames);
   runPipeline(backend);
   result.bytes = backend.bytes();
   return result;
@@ -310,8 +312,8 @@ TEST(SurfaceTree, ChangesNoFieldByWhereItHasItsFrames) {
 TEST(SurfaceTree, MakesTheFramesOfOneFaceOfEachGroup) {
   const CellMeshOf mesh(withDoubledFaces(shapes::sphere(1.0, 4), 0.3, 1));
   SurfaceTree made, stored;
-  made.buildSingleSided(mesh.cells, mesh.mesh.vertices, Frames::Made);
-  stored.buildSingleSided(mesh.cells, mesh.mesh.vertices);
+  made.buildSingleSided(mesh.cells, Frames::Made);
+  stored.buildSingleSided(mesh.cells);
   EXPECT_LT(made.triangleCount(), mesh.mesh.triangles.size());
   expectSameFrames(made, stored);
 }

@@ -126,8 +126,9 @@ void expectTaken(const Mesh& mesh, const Turns& turns, bool isTreeThereBefore) {
   const FieldOptions options;
   Progress progress;
   Field field;
+  const Model model(mesh);
   cpu::Backend backend;
-  backend.take({mesh, grid, options, progress, field});
+  backend.take({model, grid, options, progress, field});
   backend.begin();
   if (isTreeThereBefore) backend.exactDistance();
   if (!turns.empty()) backend.turnFaces(turns);

@@ -72,9 +72,10 @@ class VulkanGenerator : public VulkanTest {
     options.orientation = Orientation::Keep;  // As frames do.
     shared();  // The device is made before the backend, so it is destroyed after it.
     static Backend backend(device());
+    const Model model(mesh);
     Field field;
     Progress progress;
-    backend.take({mesh, grid, options, progress, field});
+    backend.take({model, grid, options, progress, field});
     runPipeline(backend);
     backend.readResults();
     return field;

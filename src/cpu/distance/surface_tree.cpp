@@ -160,12 +160,11 @@ void SurfaceTree::build(const CellMesh& mesh, Frames frames) {
   buildNodes(mesh, lattice);
 }
 
-DoubleSidedFaces SurfaceTree::buildSingleSided(const CellMesh& mesh, std::span<const glm::vec3> positions,
-                                               Frames frames) {
+DoubleSidedFaces SurfaceTree::buildSingleSided(const CellMesh& mesh, Frames frames) {
   start(mesh, frames);
   const PlaceLattice lattice(mesh);
   const std::vector<uint64_t> candidates = sortTriangles(mesh, lattice);
-  DoubleSidedFaces doubleSided = findDoubleSidedFaces({positions, mesh.triangles, {}}, candidates);
+  DoubleSidedFaces doubleSided = findDoubleSidedFaces({mesh.given.vertices, mesh.triangles, {}}, candidates);
   if (!doubleSided.empty()) removeTriangles(doubleSided.others, mesh.triangles.size());
   buildNodes(mesh, lattice);
   return doubleSided;

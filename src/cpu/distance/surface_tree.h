@@ -52,9 +52,8 @@ class SurfaceTree {
 
   void build(const CellMesh& mesh, Frames frames = Frames::Stored);
   /// Builds the tree of one face, the first, of each group of double-sided faces and of all other faces.
-  /// `positions` are those of the mesh as given. Returns the groups.
-  DoubleSidedFaces buildSingleSided(const CellMesh& mesh, std::span<const glm::vec3> positions,
-                                    Frames frames = Frames::Stored);
+  /// Returns the groups.
+  DoubleSidedFaces buildSingleSided(const CellMesh& mesh, Frames frames = Frames::Stored);
   /// Reverses the normals of the mesh's faces, or sets them to 0 where faces are left out (`Turns`).
   /// Distances of the tree are wrong afterwards if any is. An empty span changes none.
   void turn(std::span<const uint8_t> turns);

@@ -2,10 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <tuple>
 
+#include "cpu/backend.h"
 #include "cpu/points/mark_rims.h"
-#include "cpu/run_on_cpu.h"
 #include "cpu/sign/sign.h"
 #include "method/stage_times.h"
 
@@ -67,11 +66,10 @@ void turnFaces(PreparedSurface& surface) {
 }
 
 /// Finds the rims of the faces as the sign takes them, and prepares what tells how they change winding
-/// numbers. `found` are the rims of the faces as given, if they are known.
-void prepareRims(PreparedSurface& surface, std::optional<std::vector<RimEdge>> found) {
-  const PackedMesh mesh = surface.turnedMesh();
-  if (!found || !surface.turnedTriangles.empty()) found = findRimEdges(mesh, surface.grid.spacing);
-  const std::vector<RimEdge>& edges = *found;
+/// numbers.
+void prepareRims(const Model& given, PreparedSurface& surface) {
+  const Model turned(surface.turnedMesh()), &mesh = surface.turnedTriangles.empty() ? given : turned;
+  const std::vector<RimEdge>& edges = mesh.rims(surface.grid.spacing);
   surface.lattice.isNearRim = markRims(mesh, edges, surface.grid);
   size_t count = 0;
   for (const RimEdge& edge : edges) count += edge.times;
@@ -86,18 +84,17 @@ void prepareRims(PreparedSurface& surface, std::optional<std::vector<RimEdge>> f
 }
 
 /// Makes a field on the lattice, and keeps what points need of it.
-PreparedSurface prepareSigned(const PackedMesh& mesh, const Grid& grid, const SurfaceOptions& options,
-                              const MachineOptions& machine, size_t meshBytes, Progress& progress,
-                              Stats& stats) {
+PreparedSurface prepareSigned(const Model& mesh, const Grid& grid, const SurfaceOptions& options,
+                              const MachineOptions& machine, Progress& progress, Stats& stats) {
   FieldOptions field;
   field.orientation = options.orientation;
   field.threshold = options.threshold;
   field.winding = field.confidence = true;
   field.band = kLatticeBand;
-  std::optional<Backend> backend(std::in_place);
-  Field samples;
-  stats = runOnCpu(*backend, {mesh, grid, field, progress, samples, machine}, meshBytes, framesOf(options));
   PreparedSurface surface;
+  std::optional<Backend> backend(std::in_place, surface.tree, surface.dipoles);
+  Field samples;
+  stats = backend->run({mesh, grid, field, progress, samples, machine}, framesOf(options));
   progress.stage("tree", [&] {
     surface.mesh = mesh;
     surface.grid = grid;
@@ -105,11 +102,10 @@ PreparedSurface prepareSigned(const PackedMesh& mesh, const Grid& grid, const Su
     surface.threshold = options.threshold;
     surface.lattice = makeLattice(grid, options.threshold, samples);
     surface.turns = backend->faceSides().turns;
-    std::tie(surface.tree, surface.dipoles) = backend->takeTree();
-    std::optional<std::vector<RimEdge>> rims = backend->takeGivenRims();
+    backend->restoreTree();
     backend.reset();
     turnFaces(surface);
-    prepareRims(surface, std::move(rims));
+    prepareRims(mesh, surface);
   });
   return surface;
 }
@@ -140,19 +136,18 @@ PreparedSurface prepareUnsigned(const PackedMesh& mesh, const Grid& grid, Frames
   surface.grid = grid;
   CellMesh cells;
   toCellUnits(mesh, grid, cells);
-  surface.tree.buildSingleSided(cells, mesh.vertices, frames);
+  surface.tree.buildSingleSided(cells, frames);
   surface.tree.releaseScratch();
   return surface;
 }
 
-PreparedSurface prepareSurface(const PackedMesh& mesh, const SurfaceOptions& options,
-                               const MachineOptions& machine, size_t meshBytes, Progress& progress,
-                               Stats& stats) {
+PreparedSurface prepareSurface(const Model& mesh, const SurfaceOptions& options,
+                               const MachineOptions& machine, Progress& progress, Stats& stats) {
   const Box box = bounds(MeshView(mesh));
   const Grid grid = fitGrid(box, {.resolution = latticeResolution(mesh.triangles.size())});
   PreparedSurface surface;
   if (options.sign != SignMode::None) {
-    surface = prepareSigned(mesh, grid, options, machine, meshBytes, progress, stats);
+    surface = prepareSigned(mesh, grid, options, machine, progress, stats);
   } else {
     progress.stage("tree", [&] { surface = prepareUnsigned(mesh, grid, framesOf(options)); });
     stats.device = "cpu";
@@ -167,9 +162,9 @@ PreparedSurface prepareTurned(const PackedMesh& mesh, const Turns& turns, double
                               const MachineOptions& machine, Progress& progress) {
   const SurfaceOptions options{.orientation = Orientation::Keep, .threshold = threshold};
   Buffer<glm::uvec3> triangles = turnedTriangles(mesh.triangles, turns);
+  const Model turned(PackedMesh(mesh.vertices, triangles, mesh.origin));
   Stats stats;
-  PreparedSurface surface =
-      prepareSurface({mesh.vertices, triangles, mesh.origin}, options, machine, 0, progress, stats);
+  PreparedSurface surface = prepareSurface(turned, options, machine, progress, stats);
   surface.mesh = mesh;
   surface.turns = turns;
   surface.turnedTriangles = std::move(triangles);

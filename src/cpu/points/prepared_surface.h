@@ -10,7 +10,7 @@
 #include "cpu/points/point_winding.h"
 #include "cpu/sign/winding_dipoles.h"
 #include "cpu/sign/winding_rims.h"
-#include "mesh/packed_mesh.h"
+#include "mesh/model.h"
 
 namespace raymap::cpu {
 
@@ -43,11 +43,10 @@ struct PreparedSurface {
 /// Prepares a mesh for distances alone. The tree is in cells of the grid, which need not hold the mesh.
 PreparedSurface prepareUnsigned(const PackedMesh& mesh, const Grid& grid, Frames frames = Frames::Stored);
 
-/// Prepares a mesh for distances, with a sign if the options ask for one. The caller's copy of the mesh holds
-/// `meshBytes` bytes. Fills `stats` but for the total time.
-PreparedSurface prepareSurface(const PackedMesh& mesh, const SurfaceOptions& options,
-                               const MachineOptions& machine, size_t meshBytes, Progress& progress,
-                               Stats& stats);
+/// Prepares a mesh for distances, with a sign if the options ask for one. Fills `stats` but for the total
+/// time.
+PreparedSurface prepareSurface(const Model& mesh, const SurfaceOptions& options,
+                               const MachineOptions& machine, Progress& progress, Stats& stats);
 
 /// Does the same for a mesh whose faces another run has turned and left out, with a sign. `turns` is empty if
 /// the sign takes all faces as given.

@@ -178,7 +178,8 @@ void warnOfKept(const RepairReport& report, const WarningCallback& warn) {
 }
 
 void countPieces(const Mesh& result, RepairReport& report) {
-  for (const Piece& piece : findPieces(result).pieces) ++(piece.isCavity() ? report.cavities : report.solids);
+  for (const Piece& piece : findPieces(Model(result)).pieces)
+    ++(piece.isCavity() ? report.cavities : report.solids);
 }
 
 }  // namespace raymap

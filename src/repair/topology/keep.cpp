@@ -23,7 +23,7 @@ bool crossesNowhere(const SelfIntersections& crossing) {
 
 void keepFaces(const PackedMesh& mesh, const RepairOptions& repair, const WarningCallback& warn,
                Repaired& repaired) {
-  Pieces found = findPieces(mesh);
+  Pieces found = findPieces(Model(mesh));
   nestPieces(mesh, 1, found);
   RepairReport& report = repaired.report;
   report.kept = true;

@@ -37,7 +37,7 @@ bool isAnyUndecided(const Patches& patches) {
 
 /// Turns the faces that contradict most faces of their part. Leaves the mesh as it is if that is not certain.
 std::vector<uint32_t> turnBack(Mesh& mesh) {
-  const Patches patches = findPatches(mesh);
+  const Patches patches = findPatches(Model(mesh));
   if (isAnyUndecided(patches)) return {};
   std::vector<uint32_t> turned = findFlippedFaces(patches);
   turnFaces(mesh, turned);
@@ -50,7 +50,7 @@ std::vector<uint32_t> turnBack(Mesh& mesh) {
 /// has faces below `given` only.
 void turnOut(Mesh& mesh, size_t given, std::vector<uint32_t>& turned) {
   if (turned.empty()) return;
-  Pieces found = findPieces(mesh);
+  Pieces found = findPieces(Model(mesh));
   nestPieces(mesh, 1, found);
   std::vector<bool> isIn(found.pieces.size());
   for (const uint32_t face : turned) isIn[found.ids[face]] = true;

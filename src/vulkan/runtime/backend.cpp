@@ -58,7 +58,6 @@ void Backend::begin() {
   const auto& [mesh, grid, options, progress, field, machine] = *job_;
   doubtfulShare_.reset();
   doubleSided_.reset();
-  mayHaveInvertedParts_.reset();
   turns_.clear();
   faceSides_ = {};
   patch_.clear();
@@ -178,24 +177,14 @@ double Backend::doubtfulShare() {
   return countDoubtful([] {});
 }
 
-DoubleSidedFaces Backend::doubleSidedFaces() {
-  searchDoubleSided();
-  return *doubleSided_;
-}
-
-bool Backend::mayHaveInvertedParts() {
-  if (!mayHaveInvertedParts_) mayHaveInvertedParts_ = raymap::mayHaveInvertedParts(mesh());
-  return *mayHaveInvertedParts_;
-}
-
-void Backend::searchDoubleSided() {
-  if (doubleSided_) return;
+const DoubleSidedFaces& Backend::doubleSidedFaces() {
+  if (doubleSided_) return *doubleSided_;
   std::optional<std::span<const uint32_t>> faces;
   if (extent().searchesFaces) {
     commandBuffer_.waitForPart();
     faces = faceSearch().faces();
   }
-  doubleSided_ = faces ? findDoubleSidedFaces(mesh(), *faces) : findDoubleSidedFaces(mesh());
+  return doubleSided_.emplace(faces ? findDoubleSidedFaces(mesh(), *faces) : findDoubleSidedFaces(mesh()));
 }
 
 void Backend::searchRims(SignMode mode) {
@@ -215,9 +204,9 @@ void Backend::winding(SignMode mode) {
   recordRays(mode);
   if (usesRims(mode)) {
     const double share = countDoubtful([&] {
-      searchDoubleSided();
+      doubleSidedFaces();
       searchRims(mode);
-      if (mayTurnFaces(options())) mayHaveInvertedParts();
+      if (mayTurnFaces(options())) mesh().mayHaveInvertedParts();
     });
     if (share == 0.0) {
       rims_ = {};

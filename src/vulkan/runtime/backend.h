@@ -36,14 +36,13 @@ class Backend : public StageRecorder, private RecordingListener {
   /// Copies the results into the field. Throws the error that kept the device from computing it.
   void readResults();
 
-  const PackedMesh& mesh() const { return job_->mesh; }
+  const Model& mesh() const { return job_->mesh; }
   Progress& progress() { return job_->progress; }
   double spacing() const { return job_->grid.spacing; }
   double doubtfulShare();
 
   FaceSides& faceSides() { return faceSides_; }
-  DoubleSidedFaces doubleSidedFaces();
-  bool mayHaveInvertedParts();
+  const DoubleSidedFaces& doubleSidedFaces();
   void turnFaces(const Turns& turns);
   double misfit();
   bool contradictsParity() const { return orientationStage().contradictsParity(); }
@@ -67,7 +66,6 @@ class Backend : public StageRecorder, private RecordingListener {
 
  private:
   void searchFaces();
-  void searchDoubleSided();
   void searchRims(SignMode mode);
   void startStage(const char* name);
   void stopStage();
@@ -96,7 +94,6 @@ class Backend : public StageRecorder, private RecordingListener {
   std::optional<double> doubtfulShare_;  ///< Empty until it is read.
   RimLattices rims_;
   std::optional<DoubleSidedFaces> doubleSided_;
-  std::optional<bool> mayHaveInvertedParts_;
   Turns turns_;  ///< Empty while the faces are as given.
   std::vector<float> rises_;
   FaceSides faceSides_;

@@ -22,9 +22,10 @@ FieldOptions withEverything(FieldOptions options) {
 
 template <class Backend>
 Made make(Backend& backend, const Mesh& mesh, const Grid& grid, const FieldOptions& options) {
+  const Model model(mesh);
   Made made;
   Progress progress;
-  backend.take({mesh, grid, options, progress, made.field});
+  backend.take({model, grid, options, progress, made.field});
   runPipeline(backend);
   if constexpr (requires { backend.readResults(); }) backend.readResults();
   describeMesh(backend, grid, made.stats);

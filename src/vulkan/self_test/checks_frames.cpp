@@ -85,9 +85,10 @@ void checkSkin(Subject& subject) {
 }
 
 Field hostField(Backend& backend, const Mesh& mesh, const Grid& grid, const FieldOptions& options) {
+  const Model model(mesh);
   Field field;
   Progress progress;
-  backend.take({mesh, grid, options, progress, field});
+  backend.take({model, grid, options, progress, field});
   runPipeline(backend);
   backend.readResults();
   return field;
