@@ -44,18 +44,15 @@ std::string nameSolids(const Diagnostics& found) {
   return words;
 }
 
-std::string pairsOf(const SelfIntersections& crossings) {
-  return (crossings.complete ? "" : "at least ") + counted(crossings.pairs, "pair") + " of faces";
-}
-
-std::string coplanarPairsOf(const SelfIntersections& crossings) {
-  return (crossings.complete ? "" : "at least ") + counted(crossings.coplanarPairs, "pair") + " of faces";
+std::string pairsOf(const SelfIntersections& crossings, size_t pairs) {
+  return (crossings.complete ? "" : "at least ") + counted(pairs, "pair") + " of faces";
 }
 
 /// Returns how the closed parts of a mesh overlap or touch.
 std::string describeMeeting(const SelfIntersections& crossings) {
-  if (crossings.pairs > 0) return ": " + pairsOf(crossings) + " cross";
-  if (crossings.coplanarPairs > 0) return ": " + coplanarPairsOf(crossings) + " overlap in one plane";
+  if (crossings.pairs > 0) return ": " + pairsOf(crossings, crossings.pairs) + " cross";
+  if (crossings.coplanarPairs > 0)
+    return ": " + pairsOf(crossings, crossings.coplanarPairs) + " overlap in one plane";
   return "";
 }
 
@@ -110,7 +107,7 @@ std::string nameKind(MeshKind kind, const Diagnostics& found,
     case MeshKind::CrossingSolid:
       return (found.components == 1 ? "a closed solid that crosses itself: "
                                     : parts + ", one of which crosses itself: ") +
-             pairsOf(*crossings);
+             pairsOf(*crossings, crossings->pairs);
     case MeshKind::FlawedSolid:
       return (found.components == 1 ? "a closed solid" : parts) +
              " with small faults: " + describeDefects(found, crossings);
@@ -131,11 +128,11 @@ std::string describeRest(MeshKind kind, const Diagnostics& found,
     rest.push_back(counted(found.flippedFaces, "reversed face"));
   if (crossings && crossings->pairs > 0 && kind != MeshKind::OverlappingSolids &&
       kind != MeshKind::CrossingSolid)
-    rest.push_back(pairsOf(*crossings) + " that cross");
+    rest.push_back(pairsOf(*crossings, crossings->pairs) + " that cross");
   const bool isNamed =
       kind == MeshKind::TouchingSolids || (kind == MeshKind::OverlappingSolids && crossings->pairs == 0);
   if (crossings && crossings->coplanarPairs > 0 && !isNamed)
-    rest.push_back(coplanarPairsOf(*crossings) + " that overlap in one plane");
+    rest.push_back(pairsOf(*crossings, crossings->coplanarPairs) + " that overlap in one plane");
   if (found.nonManifoldEdges > 0 && kind != MeshKind::DoubleSided && kind != MeshKind::FlawedSolid)
     rest.push_back(counted(found.nonManifoldEdges, "edge") + " with more than two faces");
   std::string words;
@@ -152,7 +149,7 @@ std::filesystem::path resultFor(const std::filesystem::path& mesh) {
   return result.replace_extension(canWrite ? ".solid" + extension : ".solid.stl");
 }
 
-/// Number of samples along each side of a repair's grid.
+/// Returns the number of samples along each side of a repair's grid.
 glm::dvec3 samplesFor(const Box& box, double spacing) {
   const glm::dvec3 size = box.size();
   const double padding = 2.0 * GridOptions{}.padding * std::max({size.x, size.y, size.z});
@@ -178,12 +175,12 @@ std::string describeThickness(const Verdict& verdict, const Mesh& mesh, bool isF
   const std::string voxels = "--voxel-size " + plain(*verdict.voxelSize);
   if (!grid.thinnest && *verdict.voxelSize >= grid.spacing)
     return part + "A repair with " + samplesAlong(grid) + " keeps it; so does " + voxels + ".\n";
-  const glm::dvec3 n = samplesFor(bounds(mesh), *verdict.voxelSize);
+  const bool isKept = grid.thinnest && grid.keepsThinnest();
+  const glm::dvec3 n = isKept ? glm::dvec3(grid.dims) : samplesFor(bounds(mesh), *verdict.voxelSize);
   const std::string samples = voxels + ": " + text(n.x) + " x " + text(n.y) + " x " + text(n.z) + " samples";
-  if (grid.thinnest && grid.keepsThinnest())
-    return part + "A repair chooses what keeps it, " + samples + ".\n";
+  if (isKept) return part + "A repair chooses what keeps it, " + samples + ".\n";
   return part + "To keep it as it is would take " + samples + ". A repair takes " + samplesAlong(grid) +
-         ", and makes what is thinner " + text(1.75 * grid.spacing) + " thick.\n";
+         ", and makes what is thinner " + text(kThinnestWall * grid.spacing) + " thick.\n";
 }
 
 /// Returns the file to read and the file to write.

@@ -15,6 +15,8 @@
 namespace raymap {
 
 inline constexpr int kRepairResolution = 256;
+/// Thinnest wall that no samples miss, in samples. A ball of diameter 1.732 holds one wherever it lies.
+inline constexpr double kThinnestWall = 1.75;
 /// Most samples that `fitRepairGrid` chooses by itself: they take a few gigabytes.
 inline constexpr size_t kMostRepairSamples = size_t{1} << 26;
 
@@ -25,8 +27,8 @@ struct RepairOptions {
   double offset = 0.0;  ///< Distance to move the surface outwards, in the mesh's units; negative: inwards.
   double shell = 0.0;   ///< Thickness of the walls of a hollow solid, in the mesh's units; 0 = not hollow.
   /// Least thickness of walls, fins and sheets: what is thinner in the mesh becomes a plate this thick. At
-  /// least two samples, or 0 = none: what samples miss is lost. Unset: 1.75 samples, the thinnest
-  /// wall that the grid cannot miss. Material removed by a negative offset is not restored.
+  /// least two samples, or 0 = none: what samples miss is lost. Unset: `kThinnestWall`. Material removed by a
+  /// negative offset is not restored.
   std::optional<double> minThickness = {};
   double drainHole = 0.0;  ///< Diameter of the drain holes; 0 = none.
   /// Number of drain holes of each hollow: down from its lowest point, then as a vent up from its highest

@@ -25,8 +25,6 @@ namespace {
 
 constexpr double kLongestSide = 1.0;  // Longest side of the parts of faces, in samples.
 constexpr double kBand = 3.0;         // Samples around the plates that the isosurface may read.
-// Least thickness that no samples miss, in samples. A ball of diameter 1.732 holds a sample wherever it lies.
-constexpr double kSurvives = 1.75;
 constexpr double kSlack = 0.05;  // What interpolation may lack of the depth of a ball that fits, in samples.
 // Farthest sample inside from a point that the isosurface shows, in samples. No samples reach into corners.
 constexpr double kSeen = 1.5;
@@ -212,7 +210,7 @@ void uniteWithPlates(const Mesh& middle, double thickness, Given& given, Field& 
 }  // namespace
 
 double leastThickness(const RepairOptions& repair, const Grid& grid) {
-  return repair.minThickness.value_or(kSurvives * grid.spacing);
+  return repair.minThickness.value_or(kThinnestWall * grid.spacing);
 }
 
 Thickened thickenThinParts(Given& given, Field& solid, Progress& progress) {
