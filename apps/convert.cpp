@@ -102,7 +102,7 @@ void writeInSlabs(const ConvertArguments& arguments, const SparseField& band) {
                      .clampDistance = std::min(band.inside, band.outside),
                      .surfaceBounds = band.surfaceBounds},
                     slab,
-                    {.thickness = int(std::clamp<size_t>(kManySamples / plane, 1, size_t(dims.z))),
+                    {.planes = int(std::clamp<size_t>(kManySamples / plane, 1, size_t(dims.z))),
                      .format = arguments.format.output});
 }
 

@@ -368,7 +368,7 @@ void makeSlabs(const GenerateArguments& arguments, const Mesh& mesh, Report& rep
   };
   const Field about{
       .grid = grid, .clampDistance = options.band * grid.spacing, .surfaceBounds = bounds(surface.mesh())};
-  const SlabOptions slabs{.thickness = planes,
+  const SlabOptions slabs{.planes = planes,
                           .format = arguments.format.output,
                           .key = keyOf(mesh, arguments),
                           .warn = machine.warn};

@@ -30,7 +30,8 @@ std::string helpText(std::string_view text) {
   const size_t start = text.starts_with(kWhether) ? kWhether.size() : 0;
   const std::vector<std::string> parts =
       split(replaced(std::string(text.substr(start)), "Unset:", "Without it:"), '`');
-  for (size_t p = 0; p < parts.size(); ++p) help += p % 2 == 1 && isOption(parts[p]) ? flagOf(parts[p]) : parts[p];
+  for (size_t p = 0; p < parts.size(); ++p)
+    help += p % 2 == 1 && isOption(parts[p]) ? flagOf(parts[p]) : parts[p];
   help[0] = char(std::toupper(static_cast<unsigned char>(help[0])));
   if (help.ends_with('.')) help.pop_back();
   return help;
@@ -83,8 +84,12 @@ void describeValue(OptionRow& row, const OptionName& option, const Member& membe
     fallback(member);
   } else {
     const std::string unit = option.unit;
-    row.takes = unit == "DIRECTION" ? Direction : unit == "X Y Z" ? Vector : unit == "NX NY NZ" ? Triple :
-                unit == "NX NY NZ D" ? Takes::Plane : unit.ends_with("...") ? List : Corners;
+    row.takes = unit == "DIRECTION"     ? Direction
+                : unit == "X Y Z"       ? Vector
+                : unit == "NX NY NZ"    ? Triple
+                : unit == "NX NY NZ D"  ? Takes::Plane
+                : unit.ends_with("...") ? List
+                                        : Corners;
   }
   fallback("");
 }

@@ -39,7 +39,8 @@ Target targetOf(Member& member) {
 /// Adds the options of a struct of the library, but those that take several numbers, and those that a command
 /// reads in a way of its own or has not.
 template <class Options>
-void addLibraryOptions(Command& command, Options& options, std::initializer_list<std::string_view> except = {}) {
+void addLibraryOptions(Command& command, Options& options,
+                       std::initializer_list<std::string_view> except = {}) {
   forEachOption(options, [&](const OptionName& option, auto& member) {
     const Target target = targetOf(member);
     const auto* call = std::get_if<std::function<void(const std::string&)>>(&target);

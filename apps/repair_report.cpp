@@ -164,9 +164,9 @@ void print(const RepairArguments& arguments, const RepairGrid& grid, const Repai
   std::printf("  %-22s %s before, %s after\n", "crossing faces", pairsText(report.crossingBefore).c_str(),
               pairsText(report.crossingAfter).c_str());
   if (report.kept) return print(report.simplified);
-  print("result from mesh", report.ofResult, grid.spacing);
-  print("mesh from result", report.ofMesh, grid.spacing);
-  if (report.lostShare > 0.0) print("  of it what is kept", report.ofKept, grid.spacing);
+  print("result from mesh", report.resultFromMesh, grid.spacing);
+  print("mesh from result", report.meshFromResult, grid.spacing);
+  if (report.lostShare > 0.0) print("  of it what is kept", report.keptFromResult, grid.spacing);
   if (const size_t turned = report.stats.turnedFaces.size(); turned > 0)
     std::printf("  %-22s %s that pointed the wrong way\n", "reversed", counted(turned, "face").c_str());
   if (const size_t leftOut = report.stats.leftOutFaces.size(); leftOut > 0)
@@ -181,8 +181,8 @@ void print(const RepairArguments& arguments, const RepairGrid& grid, const Repai
   printShare(report.trimmedShare, "of the mesh is removed by the offset: other parts are closer");
   if (arguments.repair.shell > 0.0)
     std::printf("  %s, %s\n", counted(report.hollows, "hollow").c_str(),
-                counted(report.holes, "drain hole").c_str());
-  for (const auto& [p, d] : report.holePlaces)
+                counted(report.drainHoles, "drain hole").c_str());
+  for (const auto& [p, d] : report.drainHolePlaces)
     std::printf("  %-22s at %.5g %.5g %.5g, direction %.3g %.3g %.3g\n", "drain hole", p.x, p.y, p.z, d.x,
                 d.y, d.z);
   if (report.thickenedShare > 0.0)

@@ -20,7 +20,7 @@ struct SlabFile {
 
 /// How to write a field in slabs of planes along z.
 struct SlabOptions {
-  int thickness = 1;             ///< Most planes of a slab.
+  int planes = 1;                ///< Most planes of a slab.
   std::string_view format = {};  ///< Extension that is used where a path has none that is known.
   /// Text that names all that the samples depend on besides their positions, such as a hash of the mesh. With
   /// it, a call that fails or is killed leaves `PATH.part`, and `PATH.part.done`, which says how much of it
@@ -36,8 +36,9 @@ using PlaneSource = std::function<Field(int begin, int end)>;
 /// the slabs in order, once for all files. `about` tells what else the files hold; its arrays are not used.
 /// The bytes are those that `writeField` writes of the whole field with these arrays alone. Each file appears
 /// whole or not at all. Throws `Error`: Usage for another extension, several arrays for a format or a pipe
-/// that has a place for one, a grid or a thickness that makes no sense, or planes that do not fit the grid;
-/// File, also if the disk has not space enough or another call writes `PATH.part`; what `planes` throws.
+/// that has a place for one, a grid or a number of planes that makes no sense, or planes that do not fit the
+/// grid; File, also if the disk has not space enough or another call writes `PATH.part`; what `planes`
+/// throws.
 RAYMAP_API void writeFieldInSlabs(const std::vector<SlabFile>& files, const Field& about,
                                   const PlaneSource& planes, const SlabOptions& options = {});
 

@@ -113,7 +113,7 @@ void forEachMember(const Deviation& deviation, auto&& use) {
   use("points", deviation.points);
 }
 
-void forEachMember(const HolePlace& place, auto&& use) {
+void forEachMember(const DrainHolePlace& place, auto&& use) {
   use("position", place.position);
   use("direction", place.direction);
 }
@@ -167,17 +167,17 @@ void forEachMember(const RepairReport& report, auto&& use) {
   use("after", Inspection{report.after, report.crossingAfter});
   use("arrangement_before", report.arrangementBefore);
   use("arrangement_after", report.arrangementAfter);
-  use("result_from_mesh", report.ofResult);
-  use("mesh_from_result", report.ofMesh);
-  use("kept_from_result", report.ofKept);
+  use("result_from_mesh", report.resultFromMesh);
+  use("mesh_from_result", report.meshFromResult);
+  use("kept_from_result", report.keptFromResult);
   use("buried_share", report.buriedShare);
   use("lost_share", report.lostShare);
   use("trimmed_share", report.trimmedShare);
   use("loss", report.loss);
   use("hollows", report.hollows);
   use("filled_hollows", report.filledHollows);
-  use("drain_holes", report.holes);
-  use("drain_hole_places", report.holePlaces);
+  use("drain_holes", report.drainHoles);
+  use("drain_hole_places", report.drainHolePlaces);
   use("solids", report.solids);
   use("cavities", report.cavities);
   use("drop_smaller", report.dropSmaller);

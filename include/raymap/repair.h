@@ -27,8 +27,8 @@ struct RepairOptions {
   double offset = 0.0;  ///< Distance to move the surface outwards, in the mesh's units; negative: inwards.
   double shell = 0.0;   ///< Thickness of the walls of a hollow solid, in the mesh's units; 0 = not hollow.
   /// Least thickness of walls, fins and sheets: what is thinner in the mesh becomes a plate this thick. At
-  /// least two samples, or 0 = none: what samples miss is lost. Unset: `kThinnestWall`. Material removed by a
-  /// negative offset is not restored.
+  /// least two samples, or 0 = none: what samples miss is lost. Unset: 1.75 samples, the thinnest
+  /// wall that the grid cannot miss. Material removed by a negative offset is not restored.
   std::optional<double> minThickness = {};
   double drainHole = 0.0;  ///< Diameter of the drain holes; 0 = none.
   /// Number of drain holes of each hollow: down from its lowest point, then as a vent up from its highest
@@ -67,7 +67,7 @@ struct Deviation {
 };
 
 /// Place of a drain hole.
-struct HolePlace {
+struct DrainHolePlace {
   glm::dvec3 position{0.0};   ///< Point where its axis leaves the solid, in the mesh's units.
   glm::dvec3 direction{0.0};  ///< Its direction there, of length 1.
 };
@@ -121,10 +121,10 @@ struct RepairReport {
   Arrangement arrangementAfter = Arrangement::Unknown;  ///< The same of the result.
   /// From points of the result to the given surface, moved by the offset, or to the hollow's surface. Drain
   /// holes are left out.
-  Deviation ofResult = {};
-  Deviation ofMesh = {};  ///< From points of the given mesh, moved by the offset, to the result. Includes
-                          ///< lost points; excludes buried ones.
-  Deviation ofKept = {};  ///< The same without the lost points.
+  Deviation resultFromMesh = {};
+  Deviation meshFromResult = {};  ///< From points of the given mesh, moved by the offset, to the result.
+                                  ///< Includes lost points; excludes buried ones.
+  Deviation keptFromResult = {};  ///< The same without the lost points.
   /// Share of the mesh's area more than a sample inside the result. A tolerance above the default allows as
   /// much more, here and in `lostShare`.
   double buriedShare = 0.0;
@@ -135,9 +135,9 @@ struct RepairReport {
   Loss loss = {};            ///< Parts of the lost share, and what would keep them.
   size_t filledHollows = 0;  ///< Number of hollows that a drain hole does not fit into; they are solid.
   size_t hollows = 0;        ///< Number of hollows that the shell left.
-  size_t holes = 0;          ///< Number of drain holes.
-  std::vector<HolePlace> holePlaces = {};  ///< Places of the drain holes, hollow by hollow.
-  size_t solids = 0;                       ///< Number of parts of the result; those in cavities count, too.
+  size_t drainHoles = 0;     ///< Number of drain holes.
+  std::vector<DrainHolePlace> drainHolePlaces = {};  ///< Places of the drain holes, hollow by hollow.
+  size_t solids = 0;          ///< Number of parts of the result; those in cavities count, too.
   size_t cavities = 0;        ///< Number of sealed cavities of the result: those of the shell count, too.
   double dropSmaller = 0.0;   ///< Volume below which parts were dropped.
   Removed dropped = {};       ///< Parts that were too small.

@@ -296,7 +296,7 @@ class Deviation(TypedDict):
     """Number of points measured."""
 
 
-class HolePlace(TypedDict):
+class DrainHolePlace(TypedDict):
     """Place of a drain hole."""
 
     position: list[float]
@@ -422,7 +422,7 @@ class RepairReport(TypedDict):
     """Number of hollows that a drain hole does not fit into; they are solid."""
     drain_holes: int
     """Number of drain holes."""
-    drain_hole_places: list[HolePlace]
+    drain_hole_places: list[DrainHolePlace]
     """Places of the drain holes, hollow by hollow."""
     solids: int
     """Number of parts of the result; those in cavities count, too."""

@@ -62,12 +62,12 @@ dev_t diskOf(const fs::path& folder) {
 }
 
 /// Throws `Error(Usage)` if a grid has no samples, or more than a file can hold.
-void check(const Grid& grid, int thickness) {
+void check(const Grid& grid, int planes) {
   constexpr double kMostSamples = 1e18;
   validateGrid(grid);
   require(double(grid.dims.x) * double(grid.dims.y) * double(grid.dims.z) < kMostSamples,
           "the grid has more samples than a file can hold");
-  require(thickness > 0, "a slab needs at least one plane");
+  require(planes > 0, "a slab needs at least one plane");
 }
 
 /// Function that writes bytes at their place in a file.
@@ -261,7 +261,7 @@ class SlabWriter {
     const int planes = about_.grid.dims.z;
     std::future<void> writing;  // Of the slab before. It is waited for, even after an error.
     for (int z = begin, end = 0; z < planes; z = end) {
-      end = z + std::min(options_.thickness, planes - z);
+      end = z + std::min(options_.planes, planes - z);
       Field slab = planes_(z, end);
       if (writing.valid()) writing.get();
       writing = std::async(std::launch::async, [this, &writes, &done, z, end, made = std::move(slab)] {
@@ -283,7 +283,7 @@ class SlabWriter {
 
 void writeFieldInSlabs(const std::vector<SlabFile>& files, const Field& about, const PlaneSource& planes,
                        const SlabOptions& options) {
-  check(about.grid, options.thickness);
+  check(about.grid, options.planes);
   require(!files.empty(), "a field needs a file to be written into");
   const SlabWriter writer(files, about, planes, options);
   const auto isStreamed = [](const SlabFile& file) { return isStream(file.path); };

@@ -264,12 +264,12 @@ std::vector<DrainHole> hollow(Field& solid, const RepairOptions& repair, const W
     if (radius == 0.0) continue;
     for (const DrainHole& hole : placeHoles(solid, found, repair.drainHoles, radius, repair.down)) {
       holes.push_back(hole);
-      report.holePlaces.push_back(exitOf(solid, hole));
+      report.drainHolePlaces.push_back(exitOf(solid, hole));
     }
   }
   hollowOut(solid, repair.shell);
   for (const DrainHole& hole : holes) drill(solid, hole);
-  report.holes = holes.size();
+  report.drainHoles = holes.size();
   warnOfHoles(report, repair, warn);
   return holes;
 }

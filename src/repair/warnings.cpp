@@ -119,11 +119,11 @@ void warnOfHoles(const RepairReport& report, const RepairOptions& repair, const 
           "the solid is nowhere thick enough for a hollow inside its walls, so it has none; use thinner "
           "walls"});
   if (repair.drainHole == 0.0) return;
-  if (const size_t asked = report.hollows * size_t(repair.drainHoles); report.holes < asked)
+  if (const size_t asked = report.hollows * size_t(repair.drainHoles); report.drainHoles < asked)
     warn({WarningCode::DrainHolesMissing,
-          "only " + std::to_string(report.holes) + " of " + std::to_string(asked) +
+          "only " + std::to_string(report.drainHoles) + " of " + std::to_string(asked) +
               " drain holes were made, because the level floors of the hollows have no place for more",
-          {.count = asked - report.holes}});
+          {.count = asked - report.drainHoles}});
 }
 
 }  // namespace raymap

@@ -65,7 +65,7 @@ class FieldSlabs : public ::testing::Test {
   }
 
   SlabOptions keyed(const std::string& key, int thickness = 2) {
-    return {.thickness = thickness, .key = key, .warn = [&](const Warning& w) {
+    return {.planes = thickness, .key = key, .warn = [&](const Warning& w) {
               EXPECT_EQ(w.code, WarningCode::PartFile);
               EXPECT_TRUE(w.fields.file.starts_with(folder_.path().string())) << w.fields.file;
               told_ += w.message + "\n";
@@ -112,7 +112,7 @@ TEST_F(FieldSlabs, HaveTheBytesOfTheWholeField) {
       for (const int thickness : {1, 2, 3, 7, 1000})
         for (const char* key : {"", "a"}) {
           writeFiles({{.path = path("slabs" + extension), .arrays = arrays}},
-                     {.thickness = thickness, .key = key});
+                     {.planes = thickness, .key = key});
           EXPECT_EQ(readBytes(path("slabs" + extension)), expected) << extension << ' ' << thickness;
           EXPECT_EQ(asked_.size(), size_t((7 + std::min(thickness, 7) - 1) / std::min(thickness, 7)));
           EXPECT_EQ(folder_.fileCount(), 1u);
@@ -138,10 +138,10 @@ TEST_F(FieldSlabs, AreWrittenIntoSeveralFiles) {
     told_ = "";
     EXPECT_EQ(codeOf([&] { writeFiles(files, options, plane); }), ErrorCode::Cancelled);
   };
-  writeFiles(files, {.thickness = 3});
+  writeFiles(files, {.planes = 3});
   EXPECT_EQ(asked_, (std::vector<int>{0, 3, 6}));
   expectWhole();
-  stopAt(5, {.thickness = 2});
+  stopAt(5, {.planes = 2});
   EXPECT_EQ(folder_.fileCount(), 0u);
 
   stopAt(5, keyed("k"));
@@ -171,7 +171,7 @@ TEST_F(FieldSlabs, AreWrittenIntoSeveralFiles) {
 }
 
 TEST_F(FieldSlabs, LeaveNothingOfARunWithoutAKey) {
-  stop("a.npy", {.thickness = 2}, 5);
+  stop("a.npy", {.planes = 2}, 5);
   EXPECT_EQ(folder_.fileCount(), 0u);
   stop("a.npy", keyed("k"), 1);  // No slab is whole.
   EXPECT_EQ(folder_.fileCount(), 0u);
@@ -271,7 +271,7 @@ TEST_F(FieldSlabs, RefuseWhatMakesNoSense) {
     return codeOf([&] { write(name, options); });
   };
   EXPECT_EQ(code("a.npz"), ErrorCode::Usage);
-  EXPECT_EQ(code("a.npy", {.thickness = 0}), ErrorCode::Usage);
+  EXPECT_EQ(code("a.npy", {.planes = 0}), ErrorCode::Usage);
   const auto codeOfFiles = [&](const std::vector<SlabFile>& files, const SlabOptions& options = {}) {
     return codeOf([&] { writeFiles(files, options); });
   };

@@ -31,7 +31,7 @@ std::vector<Hollow> hollowsOf(Field& solid, double wall, double least, size_t& f
 /// Expects a hole that leaves the solid at a height, straight down or up, between two values of x.
 void expectExit(const Field& solid, const DrainHole& hole, double height, double down, double lowX,
                 double highX) {
-  const HolePlace exit = exitOf(solid, hole);
+  const DrainHolePlace exit = exitOf(solid, hole);
   EXPECT_NEAR(exit.position.z, height, 0.25 * solid.grid.spacing);
   EXPECT_EQ(exit.direction, glm::dvec3(0, 0, down));
   EXPECT_GT(exit.position.x, lowX);

@@ -212,7 +212,7 @@ TEST(Repair, DropsCrumbsAndFillsBubbles) {
   EXPECT_EQ(report.loss.solidShare, 0.0);
   EXPECT_GT(report.loss.droppedShare, 0.0);
   EXPECT_EQ(report.loss.droppedShare, report.lostShare);
-  EXPECT_LT(report.ofKept.max, 0.5 * kOddSpacing);
+  EXPECT_LT(report.keptFromResult.max, 0.5 * kOddSpacing);
 }
 
 TEST(Repair, DropsByDefaultOnlyWhatShowsNothingOfTheMesh) {
@@ -261,7 +261,7 @@ TEST(Repair, HollowsOutWhatIsLeftWithoutBubbles) {
   const Repaired drained = repaired(cubeAndCrumb(), {.shell = 0.4, .drainHole = 0.4, .dropSmaller = 0.1});
   EXPECT_EQ(drained.report.solids, 1u);
   EXPECT_EQ(drained.report.cavities, 0u);
-  EXPECT_EQ(drained.report.holes, 1u);
+  EXPECT_EQ(drained.report.drainHoles, 1u);
 }
 
 }  // namespace

@@ -40,8 +40,8 @@ double boundsOff(const Outcome& outcome) {
 TEST(Loss, DoesNotCountWhatTheToleranceAllows) {
   const Mesh ball = shapes::sphere(10.0, 4);
   const Outcome outcome = runAt(ball, 0.5, {.tolerance = 3.0});
-  EXPECT_GT(outcome.report.ofMesh.max, 1.0);  // Far more than a sample.
-  EXPECT_LE(outcome.report.ofMesh.max, 3.5);
+  EXPECT_GT(outcome.report.meshFromResult.max, 1.0);  // Far more than a sample.
+  EXPECT_LE(outcome.report.meshFromResult.max, 3.5);
   EXPECT_EQ(outcome.report.lostShare, 0.0);
   EXPECT_EQ(outcome.report.buriedShare, 0.0);
   EXPECT_EQ(outcome.warnings, "");
@@ -211,11 +211,11 @@ TEST(Loss, TellsOfHollowsThatWereNotMade) {
   EXPECT_EQ(runAt(box, 0.5, {.shell = 1.0}).warnings, "");
   // The floor of 8 x 8 has no place for 50 holes that are 2 apart.
   const Outcome few = runAt(box, 0.5, {.shell = 1.0, .drainHole = 1.0, .drainHoles = 50});
-  EXPECT_GT(few.report.holes, 2u);
-  EXPECT_LT(few.report.holes, 50u);
+  EXPECT_GT(few.report.drainHoles, 2u);
+  EXPECT_LT(few.report.drainHoles, 50u);
   ASSERT_EQ(few.report.warnings.size(), 1u);
   EXPECT_EQ(few.report.warnings[0].code, WarningCode::DrainHolesMissing);
-  EXPECT_EQ(few.report.warnings[0].fields.count, 50u - few.report.holes);
+  EXPECT_EQ(few.report.warnings[0].fields.count, 50u - few.report.drainHoles);
 }
 
 TEST(Loss, IsOfThePartsThinnerThanFourSamples) {

@@ -21,12 +21,12 @@ RepairReport reportOf(const Mesh& mesh, double spacing, RepairOptions repair = {
 void expectAllShown(const RepairReport& report, double within) {
   EXPECT_EQ(report.lostShare, 0.0);
   EXPECT_EQ(report.buriedShare, 0.0);
-  EXPECT_GT(report.ofMesh.points, 100u);
-  EXPECT_GT(report.ofResult.points, 100u);
-  EXPECT_LE(report.ofMesh.max, within);
-  EXPECT_LE(report.ofResult.max, within);
-  EXPECT_EQ(report.ofKept.points, report.ofMesh.points);
-  EXPECT_EQ(report.ofKept.max, report.ofMesh.max);
+  EXPECT_GT(report.meshFromResult.points, 100u);
+  EXPECT_GT(report.resultFromMesh.points, 100u);
+  EXPECT_LE(report.meshFromResult.max, within);
+  EXPECT_LE(report.resultFromMesh.max, within);
+  EXPECT_EQ(report.keptFromResult.points, report.meshFromResult.points);
+  EXPECT_EQ(report.keptFromResult.max, report.meshFromResult.max);
 }
 
 /// Returns a mesh with a square of two faces added. It lies across x and bounds nothing.
@@ -63,9 +63,9 @@ TEST(Measure, CountsAsLostWhatIsMoreThanASampleOutside) {
 TEST(Measure, DoesNotHideLostPointsInTheLargestDistance) {
   const RepairReport report = reportOf(withSquare(kBox, 13.0, 4.0), 0.25);
   EXPECT_NEAR(report.lostShare, 16.0 / (376.0 + 16.0), 1e-9);
-  EXPECT_NEAR(report.ofMesh.max, 3.0, 0.02);
-  EXPECT_LT(report.ofKept.max, 0.02);
-  EXPECT_LT(report.ofKept.points, report.ofMesh.points);
+  EXPECT_NEAR(report.meshFromResult.max, 3.0, 0.02);
+  EXPECT_LT(report.keptFromResult.max, 0.02);
+  EXPECT_LT(report.keptFromResult.points, report.meshFromResult.points);
 }
 
 TEST(Measure, WeighsDistancesByArea) {
@@ -81,11 +81,11 @@ TEST(Measure, WeighsDistancesByArea) {
   };
   for (const int parts : {1, 30}) {
     const RepairReport large = reportOf(divided(4.0, parts), 0.5);
-    EXPECT_NEAR(large.ofMesh.mean, 3.0 * 16.0 / 392.0, 0.01);
-    EXPECT_NEAR(large.ofMesh.p99, 3.0, 0.02);
+    EXPECT_NEAR(large.meshFromResult.mean, 3.0 * 16.0 / 392.0, 0.01);
+    EXPECT_NEAR(large.meshFromResult.p99, 3.0, 0.02);
     const RepairReport small = reportOf(divided(std::sqrt(2.0), parts), 0.5);
-    EXPECT_LT(small.ofMesh.p99, 0.05);
-    EXPECT_NEAR(small.ofMesh.max, 3.0, 0.02);
+    EXPECT_LT(small.meshFromResult.p99, 0.05);
+    EXPECT_NEAR(small.meshFromResult.max, 3.0, 0.02);
   }
 }
 
@@ -95,7 +95,7 @@ TEST(Measure, CountsAsBuriedWhatIsMoreThanASampleInside) {
   const RepairReport report = reportOf(mesh, 0.05);
   EXPECT_NEAR(report.buriedShare, 24.0 / 136.0, 0.02);
   EXPECT_EQ(report.lostShare, 0.0);
-  EXPECT_LE(report.ofMesh.max, 0.05);
+  EXPECT_LE(report.meshFromResult.max, 0.05);
 }
 
 TEST(Measure, ComparesWithTheMovedSurface) {

@@ -176,7 +176,7 @@ TEST(ThinParts, AreKeptByDefault) {
     EXPECT_LT(glm::length(before.min - after.min), 2.0 * kVoxel);
     EXPECT_LT(glm::length(before.max - after.max), 2.0 * kVoxel);
     // What it gains is hardly farther from the mesh than half a plate.
-    EXPECT_LT(kept.report.ofResult.max, 1.5 * kVoxel);
+    EXPECT_LT(kept.report.resultFromMesh.max, 1.5 * kVoxel);
   }
 }
 

@@ -156,7 +156,7 @@ std::vector<DrainHole> placeHoles(const Field& solid, const Hollow& hollow, int 
   return holes;
 }
 
-HolePlace exitOf(const Field& solid, const DrainHole& hole) {
+DrainHolePlace exitOf(const Field& solid, const DrainHole& hole) {
   constexpr double kStep = 0.125;  // In samples.
   const FieldSampler sampler(solid);
   // glm::normalize multiplies by a rounded inverse, and gives -0.9999999999999999 along an axis.

@@ -42,6 +42,6 @@ std::vector<DrainHole> placeHoles(const Field& solid, const Hollow& hollow, int 
 void drill(Field& solid, const DrainHole& hole);
 
 /// Returns where the axis of a hole leaves the solid, and its direction.
-HolePlace exitOf(const Field& solid, const DrainHole& hole);
+DrainHolePlace exitOf(const Field& solid, const DrainHole& hole);
 
 }  // namespace raymap

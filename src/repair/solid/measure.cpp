@@ -111,8 +111,8 @@ std::vector<size_t> measureMesh(const ExpectedPoints& expected, const PackedMesh
     report.buriedShare = buriedArea / area;
     report.lostShare = lostArea / area;
   }
-  report.ofMesh = summarize(visible, grid.spacing);
-  report.ofKept = summarize(kept, grid.spacing);
+  report.meshFromResult = summarize(visible, grid.spacing);
+  report.keptFromResult = summarize(kept, grid.spacing);
   return lost;
 }
 
@@ -163,7 +163,7 @@ std::vector<FacePoint> measure(const PackedMesh& mesh, const PackedMesh& result,
   eraseDrilled(expected, grid, holes);
   const std::vector<size_t> lost = measureMesh(expected, result, grid, progress, report);
   progress.part(0.6, 1.0);
-  report.ofResult = measureResult(result, mesh, grid, repair, holes, progress);
+  report.resultFromMesh = measureResult(result, mesh, grid, repair, holes, progress);
   return onFaces(expected, lost, mesh, grid);
 }
 
