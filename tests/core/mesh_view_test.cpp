@@ -192,6 +192,21 @@ TEST(MeshView, NeedsTheMemoryOfItsCopy) {
   EXPECT_EQ(Model::bytesNeeded(view), copy.vertices.size_bytes() + copy.triangles.size_bytes());
 }
 
+TEST(Model, ForgetsWhatItFoundInTheLastMesh) {
+  const Mesh box = shapes::box({0, 0, 0}, {1, 1, 1});
+  const Mesh square{{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}, {{0, 1, 2}, {0, 2, 3}}};
+  Model model(box);
+  EXPECT_EQ(model.welding().count, 8u);
+  EXPECT_EQ(model.halfEdges().size(), 36u);
+  EXPECT_TRUE(model.rims(1.0).empty());
+  model.keep(square);
+  EXPECT_EQ(model.bytes(), 4 * sizeof(glm::vec3) + 2 * sizeof(glm::uvec3));
+  EXPECT_NE(model.vertices.data(), square.vertices.data());
+  EXPECT_EQ(model.rims(1.0).size(), 4u);
+  EXPECT_EQ(model.halfEdges().size(), 6u);
+  EXPECT_EQ(model.welding().count, 4u);
+}
+
 TEST(MeshView, HoldsItsCopyAgainstTheMemoryLimit) {
   const Mesh mesh = farBall();
   const std::vector<glm::dvec3> positions = positionsOf(mesh);
