@@ -1,3 +1,4 @@
+#include <raymap/json.h>
 #include <raymap/raymap.h>
 
 #include <cstdio>
@@ -92,7 +93,7 @@ void run(CheckArguments& arguments) {
     }
   finishText();
   if (code == 0 && !areGood) code = kBadMesh;
-  if (code != 0) throw ExitCode{code};
+  if (code != 0) throw ExitCode(code);
 }
 
 }  // namespace

@@ -2,6 +2,8 @@
 
 #include <raymap/error.h>
 
+#include <exception>
+
 #include "parser.h"
 
 namespace raymap {
@@ -12,7 +14,8 @@ AddCommand addGenerate, addInfo, addCheck, addQuery, addSample, addMesh, addRend
     addSimplify, addCompare, addConvert, addExample, addDevices, addCompletion, addManual;
 
 /// Thrown by a command that ends with another exit code than 0, but printed all that is to be said.
-struct ExitCode {
+struct ExitCode : std::exception {
+  explicit ExitCode(int number) : code(number) {}
   int code;
 };
 

@@ -1,3 +1,4 @@
+#include <raymap/json.h>
 #include <raymap/raymap.h>
 
 #include <cstdio>

@@ -1,5 +1,6 @@
 #include <raymap/devices.h>
 #include <raymap/error.h>
+#include <raymap/json.h>
 #include <raymap/names.h>
 #include <raymap/version.h>
 
@@ -104,7 +105,7 @@ void testAll(const std::string& asked, bool isJson) {
   std::cout.flush();
   std::fflush(stdout);
   if (hangs) _exit(kFailedTest);  // An orderly end would wait for the driver.
-  if (!isPassed) throw ExitCode{kFailedTest};
+  if (!isPassed) throw ExitCode(kFailedTest);
 }
 
 }  // namespace

@@ -1,5 +1,6 @@
 #include "field_info.h"
 
+#include <raymap/json.h>
 #include <raymap/names.h>
 
 #include <algorithm>

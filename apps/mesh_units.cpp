@@ -18,12 +18,9 @@ namespace raymap {
 
 namespace {
 
-constexpr std::array<std::pair<const char*, LengthUnit>, 6> kUnits{{{"um", LengthUnit::Micron},
-                                                                    {"mm", LengthUnit::Millimetre},
-                                                                    {"cm", LengthUnit::Centimetre},
-                                                                    {"m", LengthUnit::Metre},
-                                                                    {"in", LengthUnit::Inch},
-                                                                    {"ft", LengthUnit::Foot}}};
+constexpr std::pair<const char*, LengthUnit> kUnits[] = {
+    {"um", LengthUnit::Micron}, {"mm", LengthUnit::Millimetre}, {"cm", LengthUnit::Centimetre},
+    {"m", LengthUnit::Metre},   {"in", LengthUnit::Inch},       {"ft", LengthUnit::Foot}};
 
 std::optional<LengthUnit> unitNamed(const std::string& name) {
   for (const auto& [each, unit] : kUnits)
@@ -35,7 +32,7 @@ std::optional<LengthUnit> unitNamed(const std::string& name) {
 std::string longName(LengthUnit unit) {
   constexpr std::array kNames{"micrometres", "millimetres", "centimetres", "metres", "inches", "feet"};
   const auto* row = std::ranges::find(kUnits, unit, &std::pair<const char*, LengthUnit>::second);
-  return std::string(kNames[size_t(row - kUnits.begin())]) + " (" + row->first + ")";
+  return std::string(kNames[size_t(row - kUnits)]) + " (" + row->first + ")";
 }
 
 /// Returns the unit of the numbers of a file, if it is known.

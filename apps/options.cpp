@@ -4,7 +4,6 @@
 #include <raymap/render.h>
 
 #include <algorithm>
-#include <array>
 #include <utility>
 
 #include "library_options.h"
@@ -130,8 +129,7 @@ constexpr OptionRow kRows[] = {
      "them"},
     {"--triangles", "--max-triangles,--max-faces", "Shape", Natural, "N", "",
      "Write at most so many triangles, with the least deviation that reaches it; --tolerance is then a limit "
-     "of the "
-     "deviation"},
+     "of the deviation"},
     {"--offset", "", "Shape"},
     {"--shell", "--hollow,--wall", "Shape", AboveZero},
     {"--min-thickness", "", "Shape", Library, nullptr, "what the grid needs to lose none of them"},
@@ -197,29 +195,15 @@ constexpr OptionRow kRows[] = {
 };
 
 /// Other spellings of choices.
-constexpr std::array<std::pair<std::string_view, std::string_view>, 22> kSpellings{
-    {{"neighbors", "neighbours"},
-     {"micron", "um"},
-     {"microns", "um"},
-     {"millimetre", "mm"},
-     {"millimetres", "mm"},
-     {"millimeter", "mm"},
-     {"millimeters", "mm"},
-     {"centimetre", "cm"},
-     {"centimetres", "cm"},
-     {"centimeter", "cm"},
-     {"centimeters", "cm"},
-     {"metre", "m"},
-     {"metres", "m"},
-     {"meter", "m"},
-     {"meters", "m"},
-     {"inch", "in"},
-     {"inches", "in"},
-     {"\"", "in"},
-     {"foot", "ft"},
-     {"feet", "ft"},
-     {"'", "ft"},
-     {"triangles", "triangle"}}};
+constexpr std::pair<const char*, const char*> kSpellings[] = {
+    {"neighbors", "neighbours"},
+    {"triangles", "triangle"},
+    {"micron,microns", "um"},
+    {"millimetre,millimetres,millimeter,millimeters", "mm"},
+    {"centimetre,centimetres,centimeter,centimeters", "cm"},
+    {"metre,metres,meter,meters", "m"},
+    {"inch,inches,\"", "in"},
+    {"foot,feet,'", "ft"}};
 
 /// Returns whether a list with commas has this spelling. Allocates nothing: each start asks for all options.
 bool hasSpelling(std::string_view list, std::string_view spelling) {
@@ -293,8 +277,8 @@ std::string helpOf(const OptionRow& row) {
 
 std::string canonical(std::string_view choice) {
   std::string name = lower(choice);
-  for (const auto& [other, known] : kSpellings)
-    if (name == other) return std::string(known);
+  for (const auto& [others, known] : kSpellings)
+    if (hasSpelling(others, name)) return known;
   return name;
 }
 

@@ -1,3 +1,4 @@
+#include <raymap/json.h>
 #include <raymap/raymap.h>
 
 #include <algorithm>
@@ -48,7 +49,7 @@ struct QueryArguments : FieldArguments {
 };
 
 /// Results of one run, for the summary and the statistics.
-struct Report {
+struct QueryReport {
   size_t triangles = 0, points = 0, notFinite = 0;
   Grid grid;           ///< Grid of the field; empty for a mesh.
   size_t outside = 0;  ///< Number of points outside of it.
@@ -135,7 +136,7 @@ bool isFinite(const glm::dvec3& p) {
   return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z);
 }
 
-void count(std::span<const glm::dvec3> points, const auto& distances, Report& report) {
+void count(std::span<const glm::dvec3> points, const auto& distances, QueryReport& report) {
   report.points = points.size();
   report.notFinite = points.size() - static_cast<size_t>(std::ranges::count_if(points, isFinite));
   for (const double distance : distances) {
@@ -147,7 +148,7 @@ void count(std::span<const glm::dvec3> points, const auto& distances, Report& re
   }
 }
 
-Json describe(const QueryArguments& arguments, const QueryOptions& asked, const Report& report) {
+Json describe(const QueryArguments& arguments, const QueryOptions& asked, const QueryReport& report) {
   Json arrays = Json::array();
   for (const AskedArray& array : kQueryArrays)
     if (asked.*array.isAsked) arrays.push_back(array.name);
@@ -174,7 +175,7 @@ Json describe(const QueryArguments& arguments, const QueryOptions& asked, const 
 }
 
 /// Describes a query of a field.
-Json describe(const QueryArguments& arguments, const Report& report) {
+Json describe(const QueryArguments& arguments, const QueryReport& report) {
   Json json{{"raymap", version().text},
             {"field", arguments.input.string()},
             {"grid",
@@ -195,7 +196,7 @@ Json describe(const QueryArguments& arguments, const Report& report) {
   return json;
 }
 
-void print(const QueryArguments& arguments, const Report& report, double elapsedMilliseconds) {
+void print(const QueryArguments& arguments, const QueryReport& report, double elapsedMilliseconds) {
   const bool isField = report.grid.spacing > 0.0;
   std::printf("%s: %s\n", displayName(arguments.input).c_str(),
               isField ? counted(report.grid.sampleCount(), "sample").c_str()
@@ -223,7 +224,7 @@ QueryWriteOptions writing(const QueryArguments& arguments) {
 }
 
 void queryMesh(const Mesh& mesh, const QueryArguments& arguments, const QueryOptions& asked,
-               std::span<const glm::dvec3> points, Report& report) {
+               std::span<const glm::dvec3> points, QueryReport& report) {
   if (isAsked(arguments, kGradient))
     throw Error(ErrorCode::Usage, "the array gradient is one of fields, and " + arguments.input.string() +
                                       " is a mesh; its array direction leads to the closest point");
@@ -289,7 +290,7 @@ bool isClamped(double distance, const Clamps& clamps) {
 
 /// Counts the points outside of the grid, and the distances of the others: those outside are bounds.
 void count(const Grid& grid, const Clamps& clamps, std::span<const glm::dvec3> points, const Samples& samples,
-           Report& report) {
+           QueryReport& report) {
   std::vector<float> distances;
   for (size_t i = 0; i < points.size(); ++i)
     if (isIn(grid, points[i]))
@@ -302,7 +303,7 @@ void count(const Grid& grid, const Clamps& clamps, std::span<const glm::dvec3> p
 }
 
 /// Warns of distances that the field does not hold.
-void warnOfBounds(const QueryArguments& arguments, const Report& report) {
+void warnOfBounds(const QueryArguments& arguments, const QueryReport& report) {
   const auto warnOf = [&](size_t count, const char* one, const char* several, const char* rest) {
     if (count > 0)
       printWarning(displayName(arguments.points) + ": " + grouped(count) + " of " +
@@ -318,7 +319,7 @@ void warnOfBounds(const QueryArguments& arguments, const Report& report) {
 
 template <class AnyField>
 void queryField(const AnyField& field, const QueryArguments& arguments, std::span<const glm::dvec3> points,
-                Report& report) {
+                QueryReport& report) {
   checkOfField(arguments);
   checkResults(sizeof(float) + sizeof(glm::vec3), points.size());
   report.grid = field.grid;
@@ -340,7 +341,7 @@ void run(QueryArguments& arguments) {
   const Clock::time_point start = Clock::now();
   const QueryOptions asked = askedFor(arguments);
   check(arguments, asked);
-  Report report;
+  QueryReport report;
   std::variant<Mesh, Field, SparseField> input;
   std::vector<glm::dvec3> points;
   timeStep(report.before, "load", [&] {

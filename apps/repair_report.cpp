@@ -1,5 +1,6 @@
 #include "repair_report.h"
 
+#include <raymap/json.h>
 #include <raymap/version.h>
 
 #include <array>

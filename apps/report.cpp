@@ -1,6 +1,7 @@
 #include "report.h"
 
 #include <raymap/atomic_file.h>
+#include <raymap/json.h>
 #include <sys/resource.h>
 
 #include <algorithm>

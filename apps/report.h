@@ -1,10 +1,10 @@
 #pragma once
 
-#include <raymap/json.h>
 #include <raymap/repair.h>
 
 #include <chrono>
 #include <filesystem>
+#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
 #include <vector>
@@ -13,7 +13,7 @@
 
 namespace raymap {
 
-using Json = nlohmann::ordered_json;
+using Json = nlohmann::ordered_json;  // Files that make some include raymap/json.h.
 
 /// Returns, for example, "418 boundary edges, 2 crossing pairs of faces"; "nothing" if there is none, and
 /// that crossings were not counted if so.

@@ -2,6 +2,7 @@
 
 #include <raymap/grid.h>
 #include <raymap/io.h>
+#include <raymap/json.h>
 #include <raymap/repair.h>
 
 #include <algorithm>
