@@ -16,6 +16,9 @@ from ._errors import UsageError
 from ._records import FieldArray
 
 
+_TAKE_NONE = _raymap.options_that_take_none()
+
+
 def core_options(given: Mapping[str, Any] | None = None, **more: Any) -> _raymap.Options:
     """Returns options by name. None stands for none, where an option has that. The library checks the values.
 
@@ -24,7 +27,9 @@ def core_options(given: Mapping[str, Any] | None = None, **more: Any) -> _raymap
         UsageError: A value that makes no sense for its option, or no such option.
     """
     options = _raymap.Options()
-    for name, value in {**(given or {}), **more}.items():
+    for name, value in ({**given, **more} if given else more).items():
+        if value is None and name in _TAKE_NONE:
+            continue
         options.set(name, _FORMS[name](name, value) if name in _FORMS and value is not None else value)
     return options
 

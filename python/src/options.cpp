@@ -2,7 +2,6 @@
 
 #include <limits>
 #include <string>
-#include <string_view>
 #include <type_traits>
 #include <vector>
 
@@ -84,14 +83,14 @@ bool isNone(const Member& member) {
     return false;
 }
 
-/// Returns whether None is a value of an option.
-bool takesNone(std::string_view name) {
-  static const AllOptions kAll;
-  bool isTaken = false;
-  forEachOption(kAll, [&](const OptionName& option, const auto& member) {
-    isTaken = isTaken || (name == option.name && isNone(member));
+/// Returns the options of which None is a value.
+std::set<std::string> takeNone() {
+  std::set<std::string> names;
+  const AllOptions all;
+  forEachOption(all, [&](const OptionName& option, const auto& member) {
+    if (isNone(member)) names.insert(option.name);
   });
-  return isTaken;
+  return names;
 }
 
 }  // namespace
@@ -102,9 +101,10 @@ void bindOptions(nb::module_& module) {
       .def(
           "set",
           [](AllOptions& self, const std::string& name, nb::handle value) {
-            if (!value.is_none() || !takesNone(name)) setOption(self, name, toValue(name.c_str(), value));
+            setOption(self, name, toValue(name.c_str(), value));
           },
           "name"_a, "value"_a.none());
+  module.def("options_that_take_none", &takeNone);
 }
 
 }  // namespace raymap::python
