@@ -127,8 +127,8 @@ def load(path, **options: Unpack[Options]): ...
     def test_finds_public_names_that_no_row_mentions(self):
         self.put_tree()
         for place, name, label in (
-                ("read_cpp", "readMesh", "C++"), ("sample_cpp", "Surface::distance", "C++"), ("band_cpp", "Options::band", "C++"),
-                ("read_c", "raymap_mesh_load", "C"), ("band_c", '"band"', "C"), ("inspect_cli", "raymap info", "Command line")):
+                ("read_cpp", "readMesh", "C++"), ("sample_cpp", "Surface::distance", "C++"),
+                ("read_c", "raymap_mesh_load", "C"), ("inspect_cli", "raymap info", "Command line")):
             with self.subTest(name):
                 rest = ", `Options::most`" if place == "sample_cpp" else ""
                 self.assert_found(self.rows(**{place: "– (1)" if not rest else rest[2:]}) + REASONS,
