@@ -40,13 +40,16 @@ TYPES = {"generate": "SurfaceFieldOptions"}  # The arguments that other function
 ZEROS = ("offset", "shell", "drain_hole", "iso")  # Lengths whose default is 0 in Python, too.
 # Names of results, which options have too.
 RESULTS = {"array", "bounds", "confidence", "direction", "distance", "inside", "outside", "thickness", "triangle", "winding"}
+# Ranges of numbers, in words.
+RANGES = {"": "", "kFromZero": "0 or more", "kAboveZero": "above 0", "kFromOne": "1 or more", "kLimit": "above 0, or infinite",
+          "{0.0, false, true}": "0 or more, or infinite"}
 PYTHON_TYPES = {"bool": "bool", "int": "int", "size_t": "int", "uint64_t": "int", "double": "float", "std::string": "str",
                 "glm::dvec3": "Vector"}
 
 
 class Option:
-    def __init__(self, name, unit, kind, default, text):
-        self.name, self.unit, self.text = name, unit, text
+    def __init__(self, name, unit, limits, kind, default, text):
+        self.name, self.unit, self.range, self.text = name, unit, RANGES[limits], text
         found = re.fullmatch(r"std::optional<(.+)>", kind)
         self.kind = found[1] if found else kind
         self.default = None if found else self.value(default.strip())
@@ -100,17 +103,17 @@ def options():
     bodies = re.findall(r"^void forEachOption\(OptionsOf<(\w+)> auto& options.*?\{\n(.*?)\n\}", header, re.DOTALL | re.MULTILINE)
     rows, names = {}, {}  # Names of members: what C++ calls box is the option bounds.
     for struct, body in bodies:
-        rows[struct] = re.findall(r'use\(OptionName\{"(\w+)"(?:, "([^"]*)")?.*?\}, options\.(\w+)\);', body)
+        rows[struct] = re.findall(r'use\(OptionName\{"(\w+)"(?:, "([^"]*)"(?:, ([^)]+?))?)?\}, options\.(\w+)\);', body)
         assert len(rows[struct]) == body.count("use("), f"an option of {struct} cannot be read"
-        names |= {member: name for name, _, member in rows[struct]}
+        names |= {member: name for name, *_, member in rows[struct]}
     result = {}
     for struct in rows:
         result[struct] = []
-        for name, unit, member in rows[struct]:
+        for name, unit, limits, member in rows[struct]:
             kind, text = structs[struct].members[member]
             assert text, f"the option {name} of {struct} has no comment"
             text = re.sub(r"`(?:\w+::)?(\w+)`", lambda named: f"`{names.get(named[1]) or snake(named[1])}`", text)
-            result[struct].append(Option(name, unit, kind, structs[struct].defaults[member], text))
+            result[struct].append(Option(name, unit, limits, kind, structs[struct].defaults[member], text))
     return result
 
 
@@ -124,10 +127,10 @@ def table(all_options):
     for struct, rows in all_options.items():
         for row in rows:
             homes.setdefault(row.name, []).append(f"`{struct}`")
-    text = "\n| option | value | default | meaning | structs |\n|---|---|---|---|---|\n"
+    text = "\n| option | value | range | default | meaning | structs |\n|---|---|---|---|---|---|\n"
     for name, row in sorted(first_options(all_options).items()):
         meaning = row.text.replace("|", "\\|")
-        text += f"| `{name}` | {row.unit} | {row.shown_default} | {meaning} | {', '.join(homes[name])} |\n"
+        text += f"| `{name}` | {row.unit} | {row.range} | {row.shown_default} | {meaning} | {', '.join(homes[name])} |\n"
     return text + "\n"
 
 

@@ -42,8 +42,14 @@ class Options(PlantedTree):
         self.assertIn("    blur: float = 0.25,\n    progress:", python)
         self.assertIn("        blur: Width of the blur, in samples.\n        progress:", python)
         self.assertIn("    blur: float\n", python)
-        self.assertIn("| `blur` | SAMPLES | 0.25 | Width of the blur, in samples. | `FieldOptions` |",
+        self.assertIn("| `blur` | SAMPLES | 0 or more | 0.25 | Width of the blur, in samples. | `FieldOptions` |",
                       (self.root / "docs/options.md").read_text())
+
+    def test_a_range_is_shown(self):
+        self.edit(NAMES, '"threshold", "W", kFromZero', '"threshold", "W", kAboveZero')
+        self.assert_found("options.md is not what", "1 files differ")
+        self.write()
+        self.assertIn("| `threshold` | W | above 0 |", (self.root / "docs/options.md").read_text())
 
     def test_an_option_has_no_comment(self):
         self.edit(STRUCTS, "  ///< A point is inside if |winding number| exceeds this.", "")
