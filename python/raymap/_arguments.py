@@ -21,6 +21,20 @@ FINITE = float(np.finfo(np.float64).max)
 _MOST = 2**31 - 1
 
 
+def to_float(name: str, value: Any) -> float:
+    """Returns any number.
+
+    Raises:
+        TypeError: The value is no number.
+    """
+    try:
+        if isinstance(value, (str, bytes)):
+            raise TypeError  # float() would read them.
+        return float(value)
+    except (TypeError, ValueError):
+        raise TypeError(f"{name} must be a number, not {_shown(value)}") from None
+
+
 def to_number(name: str, value: Any, *, least: float = -math.inf, above: float = -math.inf, most: float = math.inf) -> float:
     """Returns a number from ``least`` to ``most`` and above ``above``.
 
@@ -28,12 +42,7 @@ def to_number(name: str, value: Any, *, least: float = -math.inf, above: float =
         TypeError: The value is no number.
         UsageError: It is out of range, or NaN.
     """
-    try:
-        if isinstance(value, (str, bytes)):
-            raise TypeError  # float() would read them.
-        number = float(value)
-    except (TypeError, ValueError):
-        raise TypeError(f"{name} must be a number, not {_shown(value)}") from None
+    number = to_float(name, value)
     if least <= number <= most and number > above:
         return number
     if most < FINITE:

@@ -1,72 +1,18 @@
+#include <nanobind/stl/map.h>
+#include <nanobind/stl/variant.h>
 #include <raymap/named_options.h>
 
 #include <limits>
+#include <map>
 #include <string>
+#include <string_view>
 #include <type_traits>
-#include <vector>
 
 #include "bindings.h"
 
 namespace raymap::python {
 
 namespace {
-
-[[noreturn]] void refuseType(const char* name, const char* wanted, nb::handle value) {
-  constexpr size_t kMostLetters = 40;
-  std::string text = nb::repr(value).c_str();
-  if (text.size() > kMostLetters) text = "a " + std::string(nb::type_name(value.type()).c_str());
-  throw nb::type_error((std::string(name) + " must be " + wanted + ", not " + text).c_str());
-}
-
-/// Returns a whole number of Python. Throws as `operator.index` does.
-OptionValue toWhole(const char* name, nb::handle value) {
-  PyErr_Clear();
-  const nb::object index = nb::steal(PyNumber_Index(value.ptr()));
-  if (!index.is_valid()) {
-    PyErr_Clear();
-    refuseType(name, "a whole number", value);
-  }
-  uint64_t natural = 0;
-  if (nb::try_cast(index, natural)) return natural;
-  int64_t whole = 0;
-  if (nb::try_cast(index, whole)) return whole;
-  return PyFloat_AsDouble(index.ptr());  // Out of every range.
-}
-
-double toNumber(const char* name, nb::handle value) {
-  const bool isText = nb::isinstance<nb::str>(value) || nb::isinstance<nb::bytes>(value);
-  const double number = isText ? -1.0 : PyFloat_AsDouble(value.ptr());
-  if (isText || PyErr_Occurred()) {
-    PyErr_Clear();
-    refuseType(name, "a number", value);
-  }
-  return number;
-}
-
-/// Appends the numbers of nested sequences.
-void append(const char* name, nb::handle value, std::vector<double>& numbers) {
-  if (!nb::isinstance<nb::sequence>(value)) return numbers.push_back(toNumber(name, value));
-  for (const nb::handle each : nb::borrow<nb::sequence>(value)) append(name, each, numbers);
-}
-
-OptionValue toValue(const char* name, nb::handle value) {
-  switch (optionKind(name)) {
-    case OptionKind::Flag:
-      return nb::cast<bool>(nb::bool_(nb::borrow(value)));
-    case OptionKind::Whole:
-      return toWhole(name, value);
-    case OptionKind::Number:
-      return toNumber(name, value);
-    case OptionKind::Numbers: {
-      std::vector<double> numbers;
-      append(name, value, numbers);
-      return numbers;
-    }
-    default:
-      if (!nb::isinstance<nb::str>(value)) refuseType(name, "a text", value);
-      return nb::cast<std::string>(value);
-  }
-}
 
 /// Returns whether a default is none: no value, no text, a length of 0 or no limit.
 template <class Member>
@@ -81,6 +27,14 @@ bool isNone(const Member& member) {
     return member.empty();
   else
     return false;
+}
+
+/// Returns the kinds of all options, as numbers of `OptionKind`.
+std::map<std::string, int> kinds() {
+  std::map<std::string, int> found;
+  for (const OptionText& option : optionTexts())
+    found[std::string(option.name)] = int(optionKind(option.name));
+  return found;
 }
 
 /// Returns the options of which None is a value.
@@ -100,10 +54,11 @@ void bindOptions(nb::module_& module) {
       .def(nb::init<>())
       .def(
           "set",
-          [](AllOptions& self, const std::string& name, nb::handle value) {
-            setOption(self, name, toValue(name.c_str(), value));
+          [](AllOptions& self, std::string_view name, const OptionValue& value) {
+            setOption(self, name, value);
           },
-          "name"_a, "value"_a.none());
+          "name"_a, "value"_a);
+  module.def("option_kinds", &kinds);
   module.def("options_that_take_none", &takeNone);
 }
 
