@@ -11,7 +11,7 @@ namespace raymap {
 
 /// Kinds of values of an option.
 enum class Takes : uint8_t {
-  Library,  ///< What the option of the library takes.
+  Library,  ///< Values of an option of the library, which raymap/named_options.h describes.
   // Any text:
   Nothing,
   File,

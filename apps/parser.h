@@ -37,7 +37,7 @@ struct Argument {
   std::string shown() const;
 };
 
-/// What the program can do, with its operands and options in the order of the help.
+/// A command of the program. Its operands and options stand in the order of the help.
 struct Command {
   std::string name, description, footer;
   std::deque<Argument> operands = {}, options = {};
@@ -80,12 +80,12 @@ void addFigureOptions(Command& command, std::filesystem::path& stats);
 /// Adds `--json` of a command whose text is its result.
 void addJsonOption(Command& command, bool& isJson);
 
-/// What a command line asks for.
+/// A command line that was read.
 struct Parsed {
   Command* command = nullptr;
   bool isHelp = false, isVersion = false;
   std::vector<std::string> unknown;  ///< Words that no argument takes.
-  std::string mistake;               ///< What is wrong with the others; empty if nothing is.
+  std::string mistake;               ///< First mistake in the known words; empty without one.
 };
 
 /// Reads the words that follow a command, and sets its variables. Throws `Error(Usage)` if an option has too

@@ -21,8 +21,8 @@
  *
  * Structs whose first member is `size` hold arrays of the caller, and grow in later versions. The caller sets
  * it to the size of the struct, and all members that it does not need to 0: RAYMAP_INIT does both. Such a 0
- * means the default. The library reads and writes `size` bytes only, so a program goes on working with a
- * newer library. An older library accepts a newer struct as long as the members that it does not know are 0.
+ * means the default. The library reads `size` bytes only, so a program goes on working with a newer
+ * library. An older library accepts a newer struct as long as the members that it does not know are 0.
  * A size that cannot be right, such as 0, is RAYMAP_ERROR_USAGE.
  */
 
@@ -269,9 +269,10 @@ RAYMAP_API raymap_field* raymap_field_to_narrow(const raymap_field* field, const
  * NULL. */
 RAYMAP_API raymap_field* raymap_field_to_dense(const raymap_field* field, const raymap_options* options);
 
-/* Returns what making the field cost and found, as JSON (docs/report.md, Stats), with "outside", "inside" and
- * "active" of a narrow band. The caller frees it with raymap_text_free. For a field that was read from a file
- * all numbers are 0. */
+/* Returns what making the field cost and found, as JSON (docs/report.md, Stats), of a narrow band
+ * also with "outside" and "inside", the distances at which it is clamped (null if infinite), and "active",
+ * the number of samples that are not. Its "bytes" are what it holds. A field from a file has cost nothing:
+ * all its numbers are 0. The caller frees the text with raymap_text_free. */
 RAYMAP_API char* raymap_field_json(const raymap_field* field);
 
 /* Results of points outside the box of the outermost samples. */

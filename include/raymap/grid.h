@@ -39,7 +39,7 @@ struct GridOptions {
   std::optional<Box> box = {};  ///< Box to cover, in the mesh's units; by default the padded bounds.
   /// Padding of the bounds on every side, as a share of their longest side; ignored with `box`.
   double padding = 0.1;
-  double thickness = 0.0;  ///< That of `FieldOptions`: half of it pads the bounds besides.
+  double thickness = 0.0;  ///< Thickness of the wall (`FieldOptions`); half of it pads the bounds.
   /// Whether sample (0, 0, 0) lies on multiples of 8 spacings, as OpenVDB's leaves do. Samples of all such
   /// grids of one spacing then coincide, and their level sets can be combined. Excludes `dims`.
   bool align = false;
