@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <deque>
 #include <optional>
+#include <set>
 
 #include "text.h"
 
@@ -19,8 +20,10 @@ const char* kept(std::string text) {
   return texts.emplace_back(std::move(text)).c_str();
 }
 
-bool isOption(std::string_view name) {
-  return std::ranges::find(optionTexts(), name, &OptionText::name) != optionTexts().end();
+/// Returns the text of an option; nothing if there is none of this name.
+std::string_view textOf(std::string_view name) {
+  const auto found = std::ranges::find(optionTexts(), name, &OptionText::name);
+  return found == optionTexts().end() ? std::string_view() : found->text;
 }
 
 /// Returns a text of the library as help has it: options with dashes, and what a flag does.
@@ -31,16 +34,10 @@ std::string helpText(std::string_view text) {
   const std::vector<std::string> parts =
       split(replaced(std::string(text.substr(start)), "Unset:", "Without it:"), '`');
   for (size_t p = 0; p < parts.size(); ++p)
-    help += p % 2 == 1 && isOption(parts[p]) ? flagOf(parts[p]) : parts[p];
+    help += p % 2 == 1 && !textOf(parts[p]).empty() ? flagOf(parts[p]) : parts[p];
   help[0] = char(std::toupper(static_cast<unsigned char>(help[0])));
   if (help.ends_with('.')) help.pop_back();
   return help;
-}
-
-template <class Enum>
-std::vector<std::string> namesOf() {
-  const std::span<const std::string_view> accepted = names<Enum>();
-  return {accepted.begin(), accepted.end()};
 }
 
 template <class Number>
@@ -103,11 +100,12 @@ std::string flagOf(std::string_view option) {
 std::vector<OptionRow> completed(std::span<const OptionRow> given) {
   std::vector<OptionRow> rows(given.begin(), given.end());
   static const AllOptions kAll;
+  std::set<std::string> named;
+  for (const OptionRow& row : rows) named.insert(longName(row));
   const auto addOthers = [&](const auto& options, const char* group) {
     forEachOption(options, [&](const OptionName& option, const auto&) {
-      const std::string name = flagOf(option.name);
-      const auto isSame = [&](const OptionRow& row) { return longName(row) == name; };
-      if (std::ranges::none_of(rows, isSame)) rows.push_back({kept(name), "", group});
+      if (const auto [name, isNew] = named.insert(flagOf(option.name)); isNew)
+        rows.push_back({kept(*name), "", group});
     });
   };
   addOthers(kAll.grid, "Grid");
@@ -115,11 +113,11 @@ std::vector<OptionRow> completed(std::span<const OptionRow> given) {
   addOthers(kAll.repair, "Shape");
   for (OptionRow& row : rows) {
     if (row.help != nullptr) continue;
-    const std::string name = longName(row);
+    const std::string name = replaced(longName(row).substr(2), "-", "_");
     forEachOption(kAll, [&](const OptionName& option, const auto& member) {
-      if (row.help != nullptr || flagOf(option.name) != name) return;
+      if (row.help != nullptr || option.name != name) return;
       if (row.value == nullptr) row.value = option.unit;
-      row.help = kept(helpText(std::ranges::find(optionTexts(), option.name, &OptionText::name)->text));
+      row.help = kept(helpText(textOf(name)));
       describeValue(row, option, member);
     });
   }

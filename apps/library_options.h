@@ -25,15 +25,20 @@ std::vector<OptionRow> completed(std::span<const OptionRow> rows);
 /// Returns "--close-holes" for the option close_holes.
 std::string flagOf(std::string_view option);
 
-/// Returns what an argument sets: a member of a struct of options. Null for several numbers.
+/// Returns all names of an enum's values.
+template <class Enum>
+std::vector<std::string> namesOf() {
+  const std::span<const std::string_view> accepted = names<Enum>();
+  return {accepted.begin(), accepted.end()};
+}
+
+/// Returns what an argument sets: a member of a struct of options.
 template <class Member>
 Target targetOf(Member& member) {
   if constexpr (std::is_enum_v<Member>)
     return std::function([&member](const std::string& text) { member = fromName<Member>(text); });
-  else if constexpr (std::is_constructible_v<Target, Member*>)
-    return &member;
   else
-    return std::function<void(const std::string&)>();
+    return &member;
 }
 
 /// Adds the options of a struct of the library, but those that take several numbers, and those that a command
@@ -42,10 +47,10 @@ template <class Options>
 void addLibraryOptions(Command& command, Options& options,
                        std::initializer_list<std::string_view> except = {}) {
   forEachOption(options, [&](const OptionName& option, auto& member) {
-    const Target target = targetOf(member);
-    const auto* call = std::get_if<std::function<void(const std::string&)>>(&target);
-    if ((call && !*call) || std::ranges::count(except, std::string_view(option.name)) > 0) return;
-    addOptions(command, {{flagOf(option.name).c_str(), target}});
+    using Member = std::remove_reference_t<decltype(member)>;
+    if constexpr (std::is_enum_v<Member> || std::is_constructible_v<Target, Member*>)
+      if (std::ranges::count(except, std::string_view(option.name)) == 0)
+        addOptions(command, {{flagOf(option.name).c_str(), targetOf(member)}});
   });
 }
 

@@ -16,12 +16,6 @@ namespace raymap {
 
 namespace {
 
-template <class Enum>
-std::vector<std::string> namesOf() {
-  const std::span<const std::string_view> accepted = names<Enum>();
-  return {accepted.begin(), accepted.end()};
-}
-
 std::vector<std::string> axes() {
   return {"x", "y", "z"};
 }
