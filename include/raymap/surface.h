@@ -69,8 +69,7 @@ class RAYMAP_API Surface {
   /// band. Throws `Error(Usage)` as `generateRegion` does.
   std::optional<double> farDistance(const Grid& lattice, const Region& region,
                                     const RegionOptions& options) const;
-  /// Returns the most bytes that the surface and a region of this size hold together while the region is
-  /// made. `machine.threads` is used. Throws `Error(Usage)` for a size without samples.
+  /// Returns the bytes that the surface holds, and `regionBytes` of a region.
   size_t regionBytes(const glm::ivec3& size, const RegionOptions& options = {},
                      const MachineOptions& machine = {}) const;
 
@@ -99,6 +98,11 @@ class RAYMAP_API Surface {
   struct Impl;
   std::unique_ptr<Impl> impl_;
 };
+
+/// Returns the most bytes that a region of this size holds while a surface makes it, besides the surface.
+/// `machine.threads` is used. Throws `Error(Usage)` for a size without samples.
+RAYMAP_API size_t regionBytes(const glm::ivec3& size, const RegionOptions& options = {},
+                              const MachineOptions& machine = {});
 
 /// Returns whether a compact surface is the better one to make a band on this grid of a mesh with so many
 /// triangles (`SurfaceOptions::compact`). With more samples per triangle, the band takes most of the memory

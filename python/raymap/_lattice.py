@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import hashlib
-import math
 import os
 import socket
 import sys
 import threading
 from dataclasses import dataclass
 from functools import partial
-from pathlib import Path
 from typing import Any, NamedTuple, get_args
 
 import numpy as np
@@ -20,11 +18,12 @@ from . import _inputs, _raymap
 from ._arguments import Vector, Whole3, to_length
 from ._errors import MemoryLimitError, UsageError
 from ._generate import SurfaceFieldOptions, fit_grid
+from ._memory import memory_left
 from ._mesh import Mesh, core_of
+from ._options import core_options
 from ._records import Orientation
 from ._surface import Surface
 
-_QUERY_BYTES = 28 << 20  # Of a query of a part of a box, the largest that is made at once.
 _KEPT = 2  # Meshes that a process keeps prepared.
 
 
@@ -129,11 +128,6 @@ def this_machine() -> Machine:
     return Machine("this machine", len(os.sched_getaffinity(0)), None)
 
 
-def _available_memory() -> int:
-    lines = Path("/proc/meminfo").read_text().splitlines()
-    return next(int(line.split()[1]) * 1024 for line in lines if line.startswith("MemAvailable:"))
-
-
 class Prepared(NamedTuple):
     """A surface, and what was found out while it was made."""
 
@@ -179,7 +173,7 @@ def prepare(source: Source, machine: Machine, bytes_per_thread: int) -> Prepared
 
 
 def _prepare(source: Source, machine: Machine) -> Prepared:
-    available = _available_memory()
+    available = memory_left()
     surface = Surface(
         source.mesh,
         sign=source.sign,
@@ -190,9 +184,9 @@ def _prepare(source: Source, machine: Machine) -> Prepared:
     return Prepared(surface, available)
 
 
-def box_bytes(dims: Whole3) -> int:
-    """Returns the most bytes that `distances` takes for a box of so many samples, with its result."""
-    return 4 * math.prod(dims) + _QUERY_BYTES
+def thread_bytes(dims: Whole3) -> int:
+    """Returns the most bytes that a call of `distances` takes for a box of so many samples, with its result."""
+    return _raymap.region_bytes(dims, core_options(threads=1))
 
 
 def distances(

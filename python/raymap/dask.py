@@ -19,12 +19,12 @@ from ._errors import UsageError
 from ._lattice import (
     Lattice,
     Source,
-    box_bytes,
     distances,
     make_lattice,
     make_source,
     prepare,
     this_machine,
+    thread_bytes,
     to_band,
 )
 from ._records import Orientation
@@ -128,5 +128,5 @@ def _chunk(
     """Returns the distances of a chunk."""
     low = tuple(k * side for k, side in zip(block_id, sides, strict=True))
     dims = tuple(min(side, count - first) for side, count, first in zip(sides, lattice.dims, low, strict=True))
-    prepared = prepare(source, this_machine(), box_bytes(sides))
+    prepared = prepare(source, this_machine(), thread_bytes(sides))
     return distances(prepared, lattice, low, dims, band)  # type: ignore[arg-type]

@@ -109,6 +109,12 @@ nb::ndarray<nb::numpy, const uint32_t> surfaceFaces(nb::handle_t<Surface> self) 
 
 void bindSurface(nb::module_& module) {
   module.def("is_compact_better", &isCompactBetter, "grid"_a, "triangles"_a);
+  module.def(
+      "region_bytes",
+      [](const std::tuple<int, int, int>& size, const AllOptions& options) {
+        return regionBytes(toWhole(size), options.region, options.machine);
+      },
+      "size"_a, "options"_a);
   nb::class_<Surface>(module, "Surface")
       .def(nb::new_(&make), "mesh"_a, "options"_a, "progress"_a.none())
       .def(

@@ -132,7 +132,7 @@ def test_memory_is_predicted() -> None:
     _lattice.prepare(source, _lattice.Machine("it", 2, surface + 2000), 1000)
     with pytest.raises(raymap.MemoryLimitError, match=rf"it: .* {surface:,} bytes and each of 2 threads 1,001.* {surface + 2000:,};"):
         _lattice.prepare(source, _lattice.Machine("it", 2, surface + 2000), 1001)
-    assert _lattice.box_bytes((100, 10, 1)) > 4000
+    assert _lattice.thread_bytes((100, 10, 1)) > 4000
 
 
 @pytest.mark.parametrize("error", [raymap.Error, *raymap.Error.__subclasses__(), raymap.DeviceMemoryError])

@@ -199,12 +199,16 @@ std::optional<double> Surface::farDistance(const Grid& lattice, const Region& re
 
 size_t Surface::regionBytes(const glm::ivec3& size, const RegionOptions& options,
                             const MachineOptions& machine) const {
+  return bytes() + raymap::regionBytes(size, options, machine);
+}
+
+size_t regionBytes(const glm::ivec3& size, const RegionOptions& options, const MachineOptions& machine) {
   for (int axis = 0; axis < 3; ++axis)
     require(size[axis] > 0, std::string("a region needs a sample along ") + "xyz"[axis] + ", not " +
                                 std::to_string(size[axis]));
   size_t made = 0;
   withThreads(machine.threads, [&] { made = cpu::regionBytes(size, options); });
-  return bytes() + made;
+  return made;
 }
 
 Generated Surface::generate(const Grid& grid, const FieldOptions& asked,

@@ -8,7 +8,7 @@ import threading
 import numpy as np
 import numpy.typing as npt
 
-from .._lattice import Machine, Source, box_bytes, distances, is_far_outside, prepare, this_machine
+from .._lattice import Machine, Source, distances, is_far_outside, prepare, this_machine, thread_bytes
 from .._raymap import write_whole
 from .._whole_file import file_errors
 from .codecs import ShardWriter, compressed, zarr_package
@@ -17,7 +17,7 @@ from .store import Level, Store, check_worker
 
 def shard_bytes(store: Store) -> int:
     """Returns the most bytes that a shard takes while it is made: its samples, its compressed chunks, and the file."""
-    return box_bytes((store.shards,) * 3) + 2 * 4 * store.shards**3
+    return thread_bytes((store.shards,) * 3) + 2 * 4 * store.shards**3
 
 
 def try_shard(store: Store, source: Source) -> None:

@@ -8,14 +8,12 @@
 
 #include "base/parallel.h"
 #include "cpu/points/far_cubes.h"
-#include "cpu/points/lattice_query.h"
 
 namespace raymap::cpu {
 
 namespace {
 
 constexpr int kSide = LatticeQuery::kSide;
-constexpr int kSideOfBlock = LatticeQuery::kDistanceSide;
 
 /// Returns a corner of the grid of 4 x 4 x 4 unit cubes, numbered along a Morton curve.
 glm::ivec3 placeInBlock(int number) {
@@ -62,7 +60,7 @@ class RegionMaker {
                   if (at == Side::Unknown)
                     fillNear(query, low);
                   else
-                    fillFar(low, kSideOfBlock, at);
+                    fillFar(low, kRegionBlock, at);
                 });
   }
 
@@ -74,12 +72,12 @@ class RegionMaker {
 
   /// Returns the blocks with samples of the region. One cube that holds the region is halved again and again.
   std::vector<Cube> listBlocks() const {
-    int side = kSideOfBlock;
+    int side = kRegionBlock;
     while (region_.low / side != (high_ - 1) / side) side *= 2;
     std::vector<Cube> cubes{{region_.low / side * side, Side::Unknown}};
     for (;; side /= 2) {
       findFar(cubes, side);
-      if (side == kSideOfBlock) return cubes;
+      if (side == kRegionBlock) return cubes;
       std::vector<Cube> halves;
       for (const Cube& cube : cubes)
         for (int one = 0; one < 8; ++one)

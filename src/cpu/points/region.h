@@ -6,9 +6,13 @@
 #include <optional>
 
 #include "base/progress.h"
+#include "cpu/points/lattice_query.h"
 #include "cpu/points/prepared_surface.h"
 
 namespace raymap::cpu {
+
+/// Side of the cubes of samples in which regions are made. They lie at multiples of it.
+inline constexpr int kRegionBlock = LatticeQuery::kDistanceSide;
 
 /// Returns the most bytes that a region of this size holds while the caller's threads make it, or a bound of
 /// them that no memory has.
