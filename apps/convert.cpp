@@ -87,37 +87,15 @@ void writeConverted(const ConvertArguments& arguments, Field& field) {
   printWritten(arguments.output);
 }
 
-/// Writes a field of all samples that need not fit into memory.
-void writeInSlabs(const ConvertArguments& arguments, const SparseField& band) {
-  constexpr size_t kManySamples = size_t{1} << 24;
-  const glm::ivec3 dims = band.grid.dims;
-  const size_t plane = size_t(dims.x) * size_t(dims.y);
-  const auto slab = [&](int begin, int end) {
-    return toDense(band, {{0, 0, begin}, {dims.x, dims.y, end - begin}});
-  };
-  SlabFile file{.path = arguments.output};
-  if (hasExtension(named(file.path, arguments.format.output), {".vti"})) file.arrays = heldArrays(band);
-  writeFieldInSlabs({file},
-                    {.grid = band.grid,
-                     .clampDistance = std::min(band.inside, band.outside),
-                     .surfaceBounds = band.surfaceBounds},
-                    slab,
-                    {.planes = int(std::clamp<size_t>(kManySamples / plane, 1, size_t(dims.z))),
-                     .format = arguments.format.output});
-}
-
 void writeConverted(const ConvertArguments& arguments, SparseField& band) {
   convertUnits(band, arguments.units, named(arguments.input, arguments.format.input));
   const std::filesystem::path output = named(arguments.output, arguments.format.output);
   const FieldWriteOptions options{
       .format = arguments.format.output, .gridName = arguments.gridName, .half = arguments.half};
-  const bool isPlain = !arguments.half && arguments.gridName.empty();
   if (hasExtension(output, {".vdb", ".nvdb"}))
     writeBand(arguments.output, band, options);
-  else if (hasExtension(output, slabExtensions()) && isPlain)
-    writeInSlabs(arguments, band);
   else
-    writeField(arguments.output, toDense(band), options);
+    writeDense(arguments.output, band, options);
   warnOfDropped(arguments, band);
   printWritten(arguments.output);
 }

@@ -4,12 +4,8 @@
 
 #include <algorithm>
 #include <cstdio>
-#include <functional>
-#include <limits>
 #include <ostream>
-#include <span>
 #include <string>
-#include <string_view>
 #include <utility>
 
 #include "checks.h"
@@ -94,26 +90,22 @@ void finishOptions(GenerateArguments& arguments) {
     throw Error(ErrorCode::Usage, "--triangle-ids needs another distance; leave out --distance raster");
 }
 
-bool isWritten(const GenerateArguments& arguments, const fs::path& path,
-               const std::vector<std::string>& extensions) {
-  return std::ranges::find(extensions, arguments.format.output) != extensions.end() ||
-         hasExtension(path, extensions);
-}
-
-void writeAll(const GenerateArguments& arguments, const Field& field, Report& report) {
-  const auto write = [&](const fs::path& path, FieldArray array) {
-    if (path.empty()) return;
-    writeField(path, field,
-               {.array = array,
-                .format = arguments.format.output,
-                .gridName = array == FieldArray::Distance ? std::string_view(arguments.gridName) : "",
-                .half = arguments.half && isWritten(arguments, path, {".npy", ".npz", ".vdb", ".nvdb"})});
-    report.written.push_back(path);
-  };
-  write(arguments.field, FieldArray::Distance);
-  write(arguments.triangleIds, FieldArray::Triangle);
-  write(arguments.winding, FieldArray::Winding);
-  write(arguments.confidence, FieldArray::Confidence);
+/// Returns the files of the field, and how they are written.
+FieldFiles filesOf(const GenerateArguments& arguments, bool isEmpty) {
+  return {.distance = arguments.field,
+          .triangle = arguments.triangleIds,
+          .winding = arguments.winding,
+          .confidence = arguments.confidence,
+          .format = arguments.format.output,
+          .gridName = arguments.gridName,
+          .half = arguments.half,
+          .fullInside = arguments.fullInside && !isEmpty,
+          .keepsField = !arguments.report.empty(),
+          .planned = [](const FieldPlan& plan) {
+            if (plan.form == FieldForm::Slabs)
+              printNote("the field does not fit into memory, so it is written in slabs of " +
+                        counted(size_t(plan.planes), "plane"));
+          }};
 }
 
 /// Returns what the command line asks for, but arrays: they have files of their own.
@@ -231,179 +223,29 @@ void checkEmpty(const GenerateArguments& arguments, const Box& bounds) {
     throw Error(ErrorCode::Usage, "--report-picture: " + name + " has no triangles to draw; leave it out");
 }
 
-/// Returns whether the field is what a `Surface` gives at the samples.
-bool isOfSurface(const GenerateArguments& arguments) {
-  const FieldOptions& o = arguments.options;
-  return o.distance == DistanceMode::Exact && o.sign == SignMode::Harmonic && !o.closeHoles && !o.invert &&
-         o.thickness == 0.0 && !arguments.machine.device.starts_with("vulkan");
-}
-
-/// Returns whether the field has the distance alone.
-bool isAlone(const GenerateArguments& arguments) {
-  const FieldOptions& o = arguments.options;
-  return !o.triangle && !o.winding && !o.confidence;
-}
-
-/// Returns whether a field is made near the surface alone, which takes less time and memory for so many
-/// samples. Only a .vdb and a .nvdb have no place for the others.
-bool isNarrowBand(const GenerateArguments& arguments, const Grid& grid) {
-  constexpr size_t kManySamples = size_t{1} << 24;
-  const bool isPossible = arguments.options.band > 0.0 &&
-                          isWritten(arguments, arguments.field, {".vdb", ".nvdb"}) &&
-                          isOfSurface(arguments) && isAlone(arguments);
-  if (arguments.fullInside && !isPossible)
-    throw Error(ErrorCode::Usage,
-                "--full-inside needs --band and a .vdb or .nvdb, with --distance exact and --sign harmonic "
-                "on the CPU, without --close-holes, --invert, --thickness, --triangle-ids, --winding and "
-                "--confidence");
-  return isPossible && (arguments.fullInside || grid.sampleCount() > kManySamples);
-}
-
 bool isReported(const GenerateArguments& arguments) {
   return !arguments.stats.empty() || !arguments.report.empty() || !arguments.reportPicture.empty();
 }
 
-/// Makes and writes a field near the surface alone. Takes the mesh if no report needs it.
-void makeBand(const GenerateArguments& arguments, Mesh& mesh, Report& report, const MachineOptions& machine) {
-  const FieldOptions& options = arguments.options;
-  const SurfaceOptions asked{.orientation = options.orientation,
-                             .threshold = options.threshold,
-                             .compact = isCompactBetter(report.grid, mesh.triangles.size())};
-  const Surface surface = isReported(arguments) ? Surface(MeshView(mesh), asked, machine)
-                                                : Surface(std::move(mesh), asked, machine);
-  report.stats = surface.stats();
-  SparseField band;
-  timeStep(report.stats.stages, "narrow_band", [&] {
-    const double inside = arguments.fullInside ? std::numeric_limits<double>::infinity() : options.band;
-    band = surface.generateBand(report.grid, {.outside = options.band, .inside = inside}, machine);
-  });
-  report.stats.milliseconds += report.stats.stages.back().milliseconds;
-  report.stats.bytes = std::max(report.stats.bytes, surface.bytes() + band.bytes());
-  timeStep(report.after, "write", [&] {
-    writeBand(arguments.field, band,
-              {.format = arguments.format.output, .gridName = arguments.gridName, .half = arguments.half});
-  });
-  report.written.push_back(arguments.field);
-}
-
-/// Returns the most bytes that are held while a slab of so many planes is made, and the one before written.
-size_t slabBytes(const Surface& surface, const Grid& grid, int planes, const RegionOptions& options,
-                 const MachineOptions& machine) {
-  return surface.regionBytes({grid.dims.x, grid.dims.y, 2 * planes}, options, machine);
-}
-
-/// Returns how many planes of a grid are made at a time: few enough for the limit of memory, and no more than
-/// the speed gains from.
-int slabThickness(const Surface& surface, const Grid& grid, const RegionOptions& options,
-                  const MachineOptions& machine) {
-  constexpr size_t kManySamples = size_t{1} << 27;
-  constexpr int kBest = 32;  // Regions are made in blocks of so many planes.
-  const size_t plane = size_t(grid.dims.x) * size_t(grid.dims.y);
-  auto planes = int(std::max<size_t>(kManySamples / plane, 1));
-  if (planes > kBest) planes -= planes % kBest;
-  planes = std::min(planes, grid.dims.z);
-  // Leaves a quarter: more may be held when a later slab is checked.
-  const size_t left = memoryLeft() / 4 * 3, most = surface.bytes() + left;
-  const auto fits = [&] { return slabBytes(surface, grid, planes, options, machine) <= most; };
-  while (planes > 1 && !fits()) planes = planes > kBest ? (planes - 1) / kBest * kBest : planes / 2;
-  return planes;
-}
-
-/// Returns a text that names all that the samples of a field of a surface depend on besides their positions.
-std::string keyOf(const Mesh& mesh, const GenerateArguments& arguments) {
-  const auto hash = [](const auto& array) {
-    const auto bytes = std::as_bytes(std::span(array));
-    return std::to_string(
-        std::hash<std::string_view>{}({reinterpret_cast<const char*>(bytes.data()), bytes.size()}));
-  };
-  const Json key = {version().text,
-                    hash(mesh.vertices),
-                    hash(mesh.triangles),
-                    toJson(mesh.origin),
-                    name(arguments.options.orientation),
-                    arguments.options.threshold,
-                    arguments.options.band};
-  return key.dump();
-}
-
-/// Returns the files of a field that is written slab by slab, as `writeAll` writes them of a whole one.
-std::vector<SlabFile> slabFiles(const GenerateArguments& arguments) {
-  std::vector<SlabFile> files{{.path = arguments.field}};
-  const bool isVti = hasExtension(arguments.field, {".vti"}) ||
-                     (arguments.format.output == ".vti" && !hasExtension(arguments.field, fieldExtensions()));
-  const auto add = [&](const fs::path& path, FieldArray array) {
-    if (path.empty()) return;
-    if (isVti) files.front().arrays.push_back(array);
-    files.push_back({.path = path, .arrays = {array}});
-  };
-  add(arguments.triangleIds, FieldArray::Triangle);
-  add(arguments.winding, FieldArray::Winding);
-  add(arguments.confidence, FieldArray::Confidence);
-  return files;
-}
-
-/// Makes a field that does not fit into memory, and writes it slab by slab.
-void makeSlabs(const GenerateArguments& arguments, const Mesh& mesh, Report& report,
-               const MachineOptions& machine) {
-  const FieldOptions& options = arguments.options;
-  const Surface surface(mesh, {.orientation = options.orientation, .threshold = options.threshold}, machine);
-  report.stats = surface.stats();
-  const Grid& grid = report.grid;
-  const RegionOptions region{.band = options.band,
-                             .triangle = options.triangle,
-                             .winding = options.winding,
-                             .confidence = options.confidence};
-  const int planes = slabThickness(surface, grid, region, machine);
-  bool isFirst = true;
-  const auto slab = [&](int begin, int end) {
-    if (isFirst)
-      printNote("the field does not fit into memory, so it is written in slabs of " +
-                counted(size_t(planes), "plane"));
-    MachineOptions one = machine;
-    if (!std::exchange(isFirst, false)) one.warn = {};  // Once is enough.
-    one.progress = [&](std::string_view stage, double done) {
-      return machine.progress(stage, (double(begin) + done * double(end - begin)) / double(grid.dims.z));
-    };
-    return surface.generateRegion(grid, {{0, 0, begin}, {grid.dims.x, grid.dims.y, end - begin}}, region,
-                                  one);
-  };
-  const Field about{
-      .grid = grid, .clampDistance = options.band * grid.spacing, .surfaceBounds = bounds(surface.mesh())};
-  const SlabOptions slabs{.planes = planes,
-                          .format = arguments.format.output,
-                          .key = keyOf(mesh, arguments),
-                          .warn = machine.warn};
-  const std::vector<SlabFile> files = slabFiles(arguments);
-  timeStep(report.stats.stages, "slabs", [&] { writeFieldInSlabs(files, about, slab, slabs); });
-  report.stats.milliseconds += report.stats.stages.back().milliseconds;
-  report.stats.bytes = std::max(report.stats.bytes, slabBytes(surface, grid, planes, region, machine));
-  for (const SlabFile& file : files) report.written.push_back(file.path);
-}
-
-/// Makes a field of all samples, or writes it slab by slab if it does not fit into memory.
-void makeDense(const GenerateArguments& arguments, const Mesh& mesh, Generator& generator, Field& field,
-               Report& report, const MachineOptions& machine) {
-  const bool mayBeSlabs = !arguments.half && !mesh.triangles.empty() && isOfSurface(arguments) &&
-                          arguments.report.empty() &&
-                          std::ranges::all_of(slabFiles(arguments), [&](const SlabFile& file) {
-                            return isWritten(arguments, file.path, slabExtensions());
-                          });
-  if (!mayBeSlabs || report.grid.sampleCount() < kNoTriangle) {
-    try {
-      report.stats = generator.generate(mesh, report.grid, arguments.options, field, machine);
-      return;
-    } catch (const Error& error) {
-      if (!mayBeSlabs || error.code() != ErrorCode::Memory) throw;
-    }
-  }
-  generator = {};  // Its memory goes to the slabs.
-  makeSlabs(arguments, mesh, report, machine);
+/// Makes a field, and writes it if it is made in slabs. Takes the mesh if no report needs it.
+FileReport runGenerator(const GenerateArguments& arguments, Mesh& mesh, const Grid& grid,
+                        FileGenerator& generator, const MachineOptions& machine) {
+  const FieldFiles files = filesOf(arguments, mesh.triangles.empty());
+  if (files.fullInside &&
+      planFile(mesh, grid, arguments.options, files, machine).form != FieldForm::NarrowBand)
+    throw Error(ErrorCode::Usage,
+                "--full-inside needs --band and a .vdb or .nvdb, with --distance exact and --sign harmonic "
+                "on the CPU, without --close-holes, --invert, --thickness, --triangle-ids, --winding and "
+                "--confidence");
+  return isReported(arguments) ? generator.make(mesh, grid, arguments.options, files, machine)
+                               : generator.make(std::move(mesh), grid, arguments.options, files, machine);
 }
 
 /// Makes the field of a mesh on a grid about `bounds`, and writes it. `title` begins the names of stages.
 /// May take the mesh.
 void make(const GenerateArguments& arguments, Mesh& mesh, const std::optional<Box>& bounds,
-          const std::string& title, Generator& generator, Field& field, Report& report, Json* frames) {
+          const std::string& title, FileGenerator& generator, Report& report, Json* frames) {
+  FieldForm form{};
   const bool isEmpty = mesh.triangles.empty();
   if (isEmpty) checkEmpty(arguments, bounds.value_or(Box{}));
   {
@@ -417,26 +259,28 @@ void make(const GenerateArguments& arguments, Mesh& mesh, const std::optional<Bo
     timeStep(report.before, "fit", [&] {
       report.grid = bounds ? fitGrid(*bounds, arguments.grid) : fitGrid(mesh, arguments.grid);
     });
-    if (!isEmpty && isNarrowBand(arguments, report.grid))
-      makeBand(arguments, mesh, report, machine);
-    else
-      makeDense(arguments, mesh, generator, field, report, machine);
+    FileReport made = runGenerator(arguments, mesh, report.grid, generator, machine);
+    form = made.plan.form;
+    report.stats = std::move(made.stats);
   }
-  if (report.written.empty()) timeStep(report.after, "write", [&] { writeAll(arguments, field, report); });
+  if (form != FieldForm::Slabs) timeStep(report.after, "write", [&] { generator.write(); });
+  for (const fs::path& path :
+       {arguments.field, arguments.triangleIds, arguments.winding, arguments.confidence})
+    if (!path.empty()) report.written.push_back(path);
   if (isReported(arguments))
-    timeStep(report.after, "report", [&] { writeReports(arguments, mesh, field, report, frames); });
+    timeStep(report.after, "report",
+             [&] { writeReports(arguments, mesh, generator.field(), report, frames); });
 }
 
 void makeOne(const GenerateArguments& arguments) {
   const Clock::time_point start = Clock::now();
   Report report;
   Mesh mesh;
-  Generator generator;
-  Field field;
+  FileGenerator generator;
   timeStep(report.before, "load",
            [&] { mesh = loadMesh(arguments.mesh, arguments.format.input, arguments.units, true); });
   warnOfLength("--thickness", arguments.options.thickness, bounds(mesh));
-  make(arguments, mesh, {}, "", generator, field, report, nullptr);
+  make(arguments, mesh, {}, "", generator, report, nullptr);
   report.elapsedMilliseconds = millisecondsSince(start);
   print(arguments, report);
 }
@@ -473,15 +317,14 @@ void makeFrames(const GenerateArguments& arguments) {
   Sequence sequence(arguments.frames, arguments.mesh, arguments.format.input, arguments.units, true);
   checkFrames(arguments, sequence);
   const Box bounds = arguments.grid.box ? *arguments.grid.box : sequence.bounds();
-  Generator generator;
-  Field field;
+  FileGenerator generator;
   Json frames = Json::array();
   for (size_t i = 0; i < sequence.size(); ++i) {
     const GenerateArguments one = argumentsOf(arguments, sequence, i);
     Report report;
     Mesh mesh;
     timeStep(report.before, "load", [&] { mesh = meshOf(sequence, i); });
-    make(one, mesh, bounds, sequence.title(i), generator, field, report, &frames);
+    make(one, mesh, bounds, sequence.title(i), generator, report, &frames);
     if (i == 0) printGrid(report.grid);
     for (const fs::path& path : report.written) printWritten(path);
     std::fflush(stdout);
@@ -498,10 +341,14 @@ void makeFrames(const GenerateArguments& arguments) {
 void run(GenerateArguments& arguments) {
   finishOptions(arguments);
   prepareFiles(arguments.format, {{arguments.mesh, meshExtensions()}}, outputs(arguments));
-  if (!arguments.gridName.empty() && !isWritten(arguments, arguments.field, {".vdb", ".nvdb"}))
+  const auto isOneOf = [&](const std::vector<std::string>& extensions) {
+    return hasExtension(arguments.field, extensions) ||
+           hasExtension(named(arguments.field, arguments.format.output), extensions);
+  };
+  if (!arguments.gridName.empty() && !isOneOf({".vdb", ".nvdb"}))
     throw Error(ErrorCode::Usage, "--grid-name is for a .vdb or .nvdb, and " + displayName(arguments.field) +
                                       " is none; leave it out");
-  if (arguments.half && isWritten(arguments, arguments.field, {".nrrd", ".vti"}))
+  if (arguments.half && isOneOf({".nrrd", ".vti"}))
     throw Error(ErrorCode::Usage,
                 "--half is for a .vdb, .nvdb, .npy or .npz, and " + displayName(arguments.field) +
                     " is none: its format has no type for numbers of 16 bits; leave it out");

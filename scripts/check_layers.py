@@ -7,6 +7,8 @@ src/base/parallel.cpp, parallel_sort.h and a part of raymap-import include oneTB
 the number of includes that point up or sideways and of cycles between folders, and ends with 1 if there is anything to
 mend.
 
+A function that src/layers.txt keeps to some folders is called in these alone.
+
 A room, which is a folder of src or another folder of code, has at most as many lines as src/layers.txt grants it.
 
 check_layers.py [ROOT]: ROOT is the source tree, by default the one that this script lies in.
@@ -14,11 +16,12 @@ check_layers.py [ROOT]: ROOT is the source tree, by default the one that this sc
 
 import re
 
-from source_tree import chosen_root, files, finish, includes
+from source_tree import COMMENT, chosen_root, files, finish, includes, line_at
 
 SOURCES = {".h", ".cpp", ".c", ".comp", ".glsl", ".inl", ".in"}
 CODE = SOURCES | {".py", ".sh", ".frag", ".vert", ".js", ".mjs", ".html"}  # Its lines are counted.
 OUTSIDE = ("apps", "examples", "python")  # Users of the library, which see its public headers only.
+CALLERS = ("src", "include", "apps", "examples", "python/raymap", "python/src")  # Folders whose calls may be kept apart.
 # The only files that may include oneTBB. The last keeps NanoVDB in a process of its own to one thread.
 TBB = ("src/base/parallel.cpp", "src/base/parallel_sort.h", "src/io/import/import_nvdb.cpp")
 # Made while building.
@@ -39,6 +42,7 @@ class Layers:
         self.below = {}  # Layers that each layer may include.
         self.headers = {}  # Layer of each public header.
         self.budgets = {}  # Most lines of each room.
+        self.callers = {}  # Folders that may call a function.
         self.problems = []
         for number, line in enumerate(path.read_text().splitlines(), 1):
             line = line.partition("#")[0].strip()
@@ -49,6 +53,8 @@ class Layers:
                 self.problems.append(f"{path.name}:{number}: no colon in '{line}'")
             elif name.startswith("lines "):
                 self.budgets[name.split()[1]] = int(rest)
+            elif name.startswith("calls "):
+                self.callers[name.split()[1]] = rest.split()
             elif name.startswith("include "):
                 self.headers[name.split()[1]] = rest.strip()
             else:
@@ -153,6 +159,19 @@ def over_budget(root, budgets):
             yield f"{room} has {lines[room]} lines, and its budget in src/layers.txt is {most}: make it smaller, or say why it grows"
 
 
+def misplaced_calls(root, callers):
+    """The calls of functions outside of the folders that may call them."""
+    for path in files(root, CALLERS, CODE):
+        name, text = path.relative_to(root), path.read_text()
+        comment = r"#[^\n]*" if path.suffix == ".py" else COMMENT
+        for called, folders in callers.items():
+            if f"{called}(" not in text or any(name.is_relative_to(folder) for folder in folders):
+                continue
+            code = re.sub(comment, lambda found: re.sub(r"[^\n]", " ", found[0]), text, flags=re.S)
+            yield from (f"{name}:{line_at(code, found.start())} calls {called}: only {', '.join(folders)} may"
+                        for found in re.finditer(rf"\b{called}\(", code))
+
+
 def check(root):
     """Returns what is wrong, the number of includes that point up or sideways, and the cycles between folders."""
     src, public = root / "src", root / "include/raymap"
@@ -191,7 +210,7 @@ def check(root):
                 wrong += 1
                 problems.append(f"{name}:{number} includes {target}: {layers.says(layer)}")
 
-    problems += [*misplaced(public, src, layers), *over_budget(root, layers.budgets)]
+    problems += [*misplaced(public, src, layers), *over_budget(root, layers.budgets), *misplaced_calls(root, layers.callers)]
     for header in sorted(layers.headers):
         if not (public / header).is_file():
             problems.append(f"src/layers.txt: there is no include/raymap/{header}")

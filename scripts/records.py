@@ -30,7 +30,7 @@ import numpy.typing as npt
 '''
 # Types of members: in Python, and in words.
 PLAIN = {
-    **dict.fromkeys(("size_t", "unsigned", "uint32_t", "uint64_t"), ("int", "integer")),
+    **dict.fromkeys(("int", "size_t", "unsigned", "uint32_t", "uint64_t"), ("int", "integer")),
     "double": ("float", "number"),
     "bool": ("bool", "boolean"),
     "std::string": ("str", "text"),
@@ -153,7 +153,7 @@ def docstring(text, indent):
 
 def python_types(all_records, enum_names):
     text = HEAD
-    for enum in ("Arrangement", "DeviceTestState", "DeviceType", "DistanceMode", "FieldArray", "MeshKind", "Orientation", "Part", "Remedy",
+    for enum in ("Arrangement", "DeviceTestState", "DeviceType", "DistanceMode", "FieldArray", "FieldForm", "MeshKind", "Orientation", "Part", "Remedy",
                  "Sampling", "SignMode", "WarningCode"):
         values = "".join(f'    "{name}",\n' for name in enum_names[enum])
         text += f"\n{enum} = Literal[\n{values}]\n"

@@ -73,6 +73,12 @@ class CheckLayers(PlantedTree):
         self.prepend("src/mesh/weld.cpp", "#include <tbb/parallel_sort.h>\n")
         self.assert_found("src/mesh/weld.cpp:1 includes tbb/parallel_sort.h: only src/base/parallel.cpp and")
 
+    def test_finds_a_call_where_it_may_not_stand(self):
+        self.put("apps/slabs.cpp", "// regionBytes(size)\nsize_t bytes = surface.regionBytes(size) + slabRegionBytes(size);\n")
+        self.put("python/raymap/blocks.py", "# region_bytes(dims)\nneeded = _raymap.region_bytes(dims)\n")
+        printed = self.assert_found("apps/slabs.cpp:2 calls regionBytes: only include, ", "python/raymap/blocks.py:2 calls region_bytes: only")
+        self.assertEqual(len(printed), 3)
+
     def test_finds_a_room_above_its_budget(self):
         self.edit("src/layers.txt", "\nbase:\n", "\nlines src/odds: 3\nlines src/odds/ends: 2\nbase:\nodds:\n")
         self.put("src/odds/one.h", "\n\n\n")

@@ -5,6 +5,7 @@
 #include <raymap/field.h>
 #include <raymap/local_thickness.h>
 #include <raymap/options.h>
+#include <raymap/region.h>
 #include <raymap/verdict.h>
 #include <raymap/warning.h>
 
@@ -21,6 +22,7 @@ RAYMAP_API std::string_view name(SignMode value);
 RAYMAP_API std::string_view name(Sampling value);
 RAYMAP_API std::string_view name(Orientation value);
 RAYMAP_API std::string_view name(FieldArray value);
+RAYMAP_API std::string_view name(FieldForm value);
 RAYMAP_API std::string_view name(DeviceType value);
 RAYMAP_API std::string_view name(DeviceTestState value);
 RAYMAP_API std::string_view name(ErrorCode value);
@@ -49,6 +51,7 @@ RAYMAP_DECLARE_NAMES(SignMode)
 RAYMAP_DECLARE_NAMES(Sampling)
 RAYMAP_DECLARE_NAMES(Orientation)
 RAYMAP_DECLARE_NAMES(FieldArray)
+RAYMAP_DECLARE_NAMES(FieldForm)
 RAYMAP_DECLARE_NAMES(DeviceType)
 RAYMAP_DECLARE_NAMES(DeviceTestState)
 RAYMAP_DECLARE_NAMES(ErrorCode)

@@ -11,6 +11,7 @@
 #include <raymap/field.h>
 #include <raymap/field_slabs.h>
 #include <raymap/generate.h>
+#include <raymap/generate_file.h>
 #include <raymap/grid.h>
 #include <raymap/io.h>
 #include <raymap/isosurface.h>

@@ -9,6 +9,7 @@
 
 #include <raymap/devices.h>
 #include <raymap/diagnostics.h>
+#include <raymap/generate_file.h>
 #include <raymap/names.h>
 #include <raymap/options.h>
 #include <raymap/render.h>
@@ -104,6 +105,17 @@ void forEachMember(const Stats& stats, auto&& use) {
   use("orientation_fits", stats.orientationFits);
   use("patch_triangles", stats.patchTriangles);
   use("patch_area", stats.patchArea);
+}
+
+void forEachMember(const FieldPlan& plan, auto&& use) {
+  use("form", plan.form);
+  use("planes", plan.planes);
+  use("bytes", plan.bytes);
+}
+
+void forEachMember(const FileReport& report, auto&& use) {
+  use("plan", report.plan);
+  use("stats", report.stats);
 }
 
 void forEachMember(const Deviation& deviation, auto&& use) {

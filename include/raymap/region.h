@@ -4,6 +4,13 @@
 
 namespace raymap {
 
+/// Pieces in which a field is made.
+enum class FieldForm {
+  Whole,       ///< All samples at once.
+  NarrowBand,  ///< Cubes of samples near the surface, and no others.
+  Slabs        ///< Planes along z. A slab of them is written while the next is made.
+};
+
 /// A box of samples of a lattice.
 struct Region {
   glm::ivec3 low{0};   ///< First sample.

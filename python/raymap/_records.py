@@ -50,6 +50,12 @@ FieldArray = Literal[
     "triangle",
 ]
 
+FieldForm = Literal[
+    "whole",
+    "narrow_band",
+    "slabs",
+]
+
 MeshKind = Literal[
     "no_surface",
     "double_sided",
@@ -281,6 +287,27 @@ class Stats(TypedDict):
     """Number of triangles of the surface that closes holes."""
     patch_area: float
     """Its area, in the mesh's units squared."""
+
+
+class FieldPlan(TypedDict):
+    """How a field is made: in one piece or in many."""
+
+    form: FieldForm
+    """Pieces in which it is made."""
+    planes: int
+    """Number of planes along z that are made at a time."""
+    bytes: int
+    """Most bytes that its samples take at a time, in slabs with the work on them; 0 for a narrow band, whose bytes grow
+    with the surface."""
+
+
+class FileReport(TypedDict):
+    """Report of ``generateFile``."""
+
+    plan: FieldPlan
+    """How the field was made."""
+    stats: Stats
+    """Costs, and findings about the mesh."""
 
 
 class Deviation(TypedDict):

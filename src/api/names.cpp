@@ -53,6 +53,13 @@ struct Names<FieldArray> {
 };
 
 template <>
+struct Names<FieldForm> {
+  static constexpr std::string_view kKind = "form of a field";
+  static constexpr std::array kValues{FieldForm::Whole, FieldForm::NarrowBand, FieldForm::Slabs};
+  static constexpr std::array<std::string_view, 3> kNames{"whole", "narrow_band", "slabs"};
+};
+
+template <>
 struct Names<DeviceType> {
   static constexpr std::string_view kKind = "type of device";
   static constexpr std::array kValues{DeviceType::Discrete, DeviceType::Integrated, DeviceType::Virtual,
@@ -216,6 +223,7 @@ RAYMAP_DEFINE_NAMES(SignMode)
 RAYMAP_DEFINE_NAMES(Sampling)
 RAYMAP_DEFINE_NAMES(Orientation)
 RAYMAP_DEFINE_NAMES(FieldArray)
+RAYMAP_DEFINE_NAMES(FieldForm)
 RAYMAP_DEFINE_NAMES(DeviceType)
 RAYMAP_DEFINE_NAMES(DeviceTestState)
 RAYMAP_DEFINE_NAMES(ErrorCode)

@@ -80,14 +80,31 @@ void checkLength(const fs::path& path, const Format& format, const std::string& 
                                       " bytes, and a .nvdb holds 255; choose a shorter one");
 }
 
+/// Returns whether a format has a type for numbers of 16 bits.
+bool hasHalf(const Format& format) {
+  return format.writeNamed || format.writeHalf;
+}
+
+/// Throws `Error(Usage)` unless the format has a place for what the options ask for.
+void checkFormat(const fs::path& path, const Format& format, const FieldWriteOptions& options) {
+  if (!format.writeNamed && !options.gridName.empty())
+    throw Error(ErrorCode::Usage, path.string() + ": only a .vdb or .nvdb has a grid's name; leave it out");
+  if (options.half && !hasHalf(format))
+    throw Error(ErrorCode::Usage, path.string() + ": a " + std::string(format.extension) +
+                                      " has no type for numbers of 16 bits; write a .npy, .npz, .vdb or "
+                                      ".nvdb, or use 32 bits");
+  const std::string name(options.gridName);
+  checkLength(path, format, name);
+  if (std::ranges::any_of(kArrayNames, [&](std::string_view other) {
+        return other == name && other != kArrayNames[size_t(options.array)];
+      }))
+    throw Error(ErrorCode::Usage, "'" + name + "' is the name of another array; choose another for the grid");
+}
+
 /// Throws `Error(Usage)` unless 16 bits hold the numbers of a field as the format stores them. `farthest` is
 /// its largest distance.
 template <class AnyField>
 void checkHalf(const fs::path& path, const Format& format, const AnyField& field, double farthest) {
-  if (!format.writeNamed && !format.writeHalf)
-    throw Error(ErrorCode::Usage, path.string() + ": a " + std::string(format.extension) +
-                                      " has no type for numbers of 16 bits; write a .npy, .npz, .vdb or "
-                                      ".nvdb, or use 32 bits");
   if (format.extension == ".nvdb") {
     constexpr double kMost = 1e38;  // The range of a leaf must be a float.
     const auto isHeld = [](float value) { return std::abs(double(value)) <= kMost; };
@@ -113,15 +130,8 @@ void checkHalf(const fs::path& path, const Format& format, const AnyField& field
 template <class AnyField>
 void checkStorage(const fs::path& path, const Format& format, const AnyField& field, double farthest,
                   const FieldWriteOptions& options) {
-  if (!format.writeNamed && !options.gridName.empty())
-    throw Error(ErrorCode::Usage, path.string() + ": only a .vdb or .nvdb has a grid's name; leave it out");
+  checkFormat(path, format, options);
   if (options.half) checkHalf(path, format, field, farthest);
-  const std::string name(options.gridName);
-  checkLength(path, format, name);
-  if (std::ranges::any_of(kArrayNames, [&](std::string_view other) {
-        return other == name && other != kArrayNames[size_t(options.array)];
-      }))
-    throw Error(ErrorCode::Usage, "'" + name + "' is the name of another array; choose another for the grid");
 }
 
 /// Returns "'a', 'b' and 3 more".
@@ -140,6 +150,14 @@ std::vector<std::string> fieldExtensions() {
   for (const Format& format : kFormats)
     if (format.isKnown()) extensions.emplace_back(format.extension);
   return extensions;
+}
+
+void checkFieldFile(const fs::path& path, const FieldWriteOptions& options) {
+  checkFormat(path, findFormat(path, formatOf(path, options.format, fieldExtensions())), options);
+}
+
+bool canHalve(const fs::path& path, std::string_view given) {
+  return hasHalf(findFormat(path, formatOf(path, given, fieldExtensions())));
 }
 
 Formats knownFieldFormats() {

@@ -33,6 +33,12 @@ std::string formatOf(const std::filesystem::path& path, std::string_view given, 
 /// Returns ".ply .obj .stl".
 std::string listOf(const Formats& formats);
 
+/// Throws `Error`: Usage if the file's format has no place for what the options ask for, Unsupported if this
+/// build cannot write it.
+void checkFieldFile(const std::filesystem::path& path, const FieldWriteOptions& options);
+/// Returns whether the file's format can store numbers in 16 bits.
+bool canHalve(const std::filesystem::path& path, std::string_view given);
+
 /// Writes a file by a function that must be able to go back in its stream. A pipe cannot, so it gets all
 /// bytes at the end.
 void writeSeekable(std::ostream& out, const std::function<void(std::ostream&)>& write);

@@ -1,0 +1,35 @@
+#include <raymap/field_slabs.h>
+#include <raymap/generate_file.h>
+
+#include <algorithm>
+
+#include "io/file_format.h"
+
+namespace raymap {
+
+void writeDense(const std::filesystem::path& path, const SparseField& band,
+                const FieldWriteOptions& options) {
+  constexpr size_t kManySamples = size_t{1} << 24;
+  const std::string format = formatOf(path, options.format, fieldExtensions());
+  if (!contains(slabExtensions(), format) || options.half || !options.gridName.empty())
+    return writeField(path, toDense(band), options);
+  const glm::ivec3 dims = band.grid.dims;
+  SlabFile file{.path = path, .arrays = {options.array}};
+  const auto add = [&](FieldArray array, bool isHeld) {
+    if (isHeld && format == ".vti" && options.array == FieldArray::Distance) file.arrays.push_back(array);
+  };
+  add(FieldArray::Triangle, !band.triangle.empty());
+  add(FieldArray::Winding, !band.winding.empty());
+  add(FieldArray::Confidence, !band.confidence.empty());
+  const Field about{.grid = band.grid,
+                    .clampDistance = std::min(band.inside, band.outside),
+                    .surfaceBounds = band.surfaceBounds};
+  const auto slab = [&](int begin, int end) {
+    return toDense(band, {{0, 0, begin}, {dims.x, dims.y, end - begin}});
+  };
+  const size_t planes = kManySamples / (size_t(dims.x) * size_t(dims.y));
+  writeFieldInSlabs({file}, about, slab,
+                    {.planes = int(std::clamp<size_t>(planes, 1, size_t(dims.z))), .format = options.format});
+}
+
+}  // namespace raymap
