@@ -301,6 +301,29 @@ RAYMAP_API raymap_field* raymap_field_load(const char* path, const raymap_option
  * appears whole or not at all. Not in builds without files. */
 RAYMAP_API raymap_result raymap_field_write(const raymap_field* field, const char* path, const char* array);
 
+/* Files of a field and how they are written, as raymap::FieldFiles; NULL = not wanted. Initialise with
+ * RAYMAP_INIT. */
+typedef struct raymap_field_files {
+  size_t size;            /* sizeof(raymap_field_files) */
+  const char* distance;   /* Distances, with the other arrays of the options in all but a .npy and a .nrrd. */
+  const char* triangle;   /* Closest triangles, which are then computed. */
+  const char* winding;    /* Winding numbers, which are then computed. */
+  const char* confidence; /* Confidence in the sign, which is then computed. */
+  bool half;              /* Whether numbers take 16 bits, in files that can store them. */
+  bool full_inside;       /* Whether only distances outside are clamped to "band", in a .vdb or .nvdb. */
+  const char* grid_name;  /* Name of the distance's grid in a .vdb or .nvdb. */
+} raymap_field_files;
+
+/* Makes a field and writes its files, without a handle of it. A field that memory does not hold is made in
+ * pieces: as a narrow band in a .vdb or .nvdb with a "band", else in slabs of planes in a .npy, .nrrd or
+ * .vti. raymap/generate_file.h says when. A call that failed on slabs leaves what it wrote, and the next one
+ * with the same arguments goes on from there. `report` receives the report as JSON (docs/report.md,
+ * FileReport), which the caller frees with raymap_text_free; NULL = not wanted. Options: FieldOptions and
+ * MachineOptions; they may be NULL. Not in builds without files. */
+RAYMAP_API raymap_result raymap_generate_file(const raymap_mesh* mesh, const raymap_grid* grid,
+                                              const raymap_field_files* files, const raymap_options* options,
+                                              char** report);
+
 /* ---- Queries at any points ---- */
 
 /* A mesh prepared once for queries at any points. It keeps a copy of the mesh. Several threads may query it

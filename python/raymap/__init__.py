@@ -28,6 +28,7 @@ from ._errors import (
 )
 from ._field import NO_TRIANGLE, Field, load_field
 from ._generate import FieldOptions, Generator, generate
+from ._generate_file import generate_file
 from ._memory import limit_memory, memory_left
 from ._mesh import Animation, Mesh, load_animation, load_mesh
 from ._pyramid import generate_pyramid, load_pyramid, save_pyramid
@@ -35,6 +36,7 @@ from ._records import (
     Comparison,
     DeviceInfo,
     DeviceTest,
+    FileReport,
     RepairReport,
     SimplifyReport,
     Stats,
@@ -117,6 +119,7 @@ __all__ = [
     "Field",
     "FieldOptions",
     "FileError",
+    "FileReport",
     "Generator",
     "Info",
     "InputError",
@@ -142,6 +145,7 @@ __all__ = [
     "dataset",
     "devices",
     "generate",
+    "generate_file",
     "generate_pyramid",
     "get_threads",
     "info",

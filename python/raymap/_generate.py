@@ -51,11 +51,16 @@ class SurfaceFieldOptions(TypedDict, total=False):
     progress: Progress
 
 
-class FieldOptions(SurfaceFieldOptions, total=False):
-    """Keyword arguments of ``raymap.generate``, which documents them."""
+class FileFieldOptions(SurfaceFieldOptions, total=False):
+    """Keyword arguments of ``raymap.generate_file``; ``raymap.generate`` documents them."""
 
     orientation: Orientation
     allow_empty: bool
+
+
+class FieldOptions(FileFieldOptions, total=False):
+    """Keyword arguments of ``raymap.generate``, which documents them."""
+
     normalize: bool | Normalization
 
 
@@ -227,17 +232,21 @@ class Generator:
         Arguments and errors are those of ``raymap.generate``.
         """
         check_names("generate", options, FieldOptions)
-        given = _to_mesh(mesh_or_vertices, faces, options)
+        given = to_mesh(mesh_or_vertices, faces, options)
         frame = frame_of(given, to_normalization(options.get("normalize", False)))
-        mesh = core_of(moved(given, frame))
-        grid = fit_grid(partial(_raymap.fit_grid, mesh), options)
-        options = with_band(options, grid)
-        core_options = to_options(options, options.get("orientation", "auto"), sparse=False)
+        mesh, grid, core_options = to_core(moved(given, frame), options)
         with reporting(options.get("progress")) as report:
             return field_of_core(self._core.generate(mesh, grid, core_options, report), frame)
 
 
-def _to_mesh(mesh_or_vertices: Any, faces: Any, options: FieldOptions) -> Mesh:
+def to_core(given: Mesh, options: FileFieldOptions) -> tuple[_raymap.Mesh, _raymap.Grid, _raymap.Options]:
+    """Returns a mesh, the grid and the options as the extension module takes them."""
+    mesh = core_of(given)
+    grid = fit_grid(partial(_raymap.fit_grid, mesh), options)
+    return mesh, grid, to_options(with_band(options, grid), options.get("orientation", "auto"), sparse=False)
+
+
+def to_mesh(mesh_or_vertices: Any, faces: Any, options: FileFieldOptions) -> Mesh:
     """Returns the mesh. One without faces must be allowed, and needs a box."""
     mesh = _inputs.to_mesh(mesh_or_vertices, faces, allow_empty=True)
     if len(mesh.faces) == 0:

@@ -1,8 +1,11 @@
+#include <raymap/generate_file.h>
+
 #include <algorithm>
 #include <mutex>
 #include <vector>
 
 #include "call.h"
+#include "records.h"
 
 namespace raymap::python {
 
@@ -39,6 +42,14 @@ class GeneratorHandle {
   std::vector<std::shared_ptr<FieldHandle>> fields_;
 };
 
+nb::dict makeFile(const MeshHandle& mesh, const Grid& grid, const AllOptions& options,
+                  const FieldFiles& files, nb::object progress) {
+  Call call(std::move(progress));
+  FileReport report;
+  call.run([&] { report = generateFile(mesh.view, grid, options.field, files, call.on(options.machine)); });
+  return toPython(report);
+}
+
 }  // namespace
 
 void bindGenerate(nb::module_& module) {
@@ -60,6 +71,16 @@ void bindGenerate(nb::module_& module) {
         return fitGrid(mesh.view, options.grid);
       },
       "mesh"_a, "options"_a);
+  nb::class_<FieldFiles>(module, "FieldFiles")
+      .def(nb::init<>())
+      .def_rw("distance", &FieldFiles::distance)
+      .def_rw("triangle", &FieldFiles::triangle)
+      .def_rw("winding", &FieldFiles::winding)
+      .def_rw("confidence", &FieldFiles::confidence)
+      .def_rw("grid_name", &FieldFiles::gridName)
+      .def_rw("half", &FieldFiles::half)
+      .def_rw("full_inside", &FieldFiles::fullInside);
+  module.def("generate_file", &makeFile, "mesh"_a, "grid"_a, "options"_a, "files"_a, "progress"_a.none());
   nb::class_<GeneratorHandle>(module, "Generator")
       .def(nb::init<>())
       .def("generate", &GeneratorHandle::generate, "mesh"_a, "grid"_a, "options"_a, "progress"_a.none());

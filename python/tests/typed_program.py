@@ -39,6 +39,8 @@ holes: int = found["hole_count"] + found["self_intersections"]["pairs"]
 uncounted: None = raymap.info(mesh, fast=True)["self_intersections"]
 milliseconds: float = field.stats["milliseconds"]
 solid, report = raymap.repair(mesh, resolution=16)
+file_report: raymap.FileReport = raymap.generate_file(mesh, "typed.npy", resolution=16, winding="w.npy")
+form: str = file_report["plan"]["form"]
 deviation: float = report["result_from_mesh"]["p99"]
 samples: raymap.Samples = raymap.sample_points(prepared, 100, sigma=0.01, seed=3)
 pos: npt.NDArray[np.float32] = samples.pos

@@ -1,13 +1,15 @@
 // The functions of raymap/c.h that read and write files.
 
 #include <raymap/c.h>
+#include <raymap/generate_file.h>
 #include <raymap/io.h>
 #include <raymap/names.h>
 
 #include <utility>
 #include <vector>
 
-#include "c_api/c_handles.h"
+#include "c_api/c_report.h"
+#include "c_api/c_struct.h"
 
 using namespace raymap;
 using raymap::c::create;
@@ -48,5 +50,25 @@ raymap_result raymap_field_write(const raymap_field* field, const char* path, co
       return writeBand(file, *band);
     writeField(file, std::get<Field>(field->field),
                {.array = array ? fromName<FieldArray>(array) : FieldArray::Distance});
+  });
+}
+
+raymap_result raymap_generate_file(const raymap_mesh* mesh, const raymap_grid* grid,
+                                   const raymap_field_files* files, const raymap_options* options,
+                                   char** report) {
+  return guard([&] {
+    const raymap_field_files given = c::read(&need(files, "raymap_field_files"));
+    const AllOptions& all = c::optionsOr(options);
+    const auto text = [](const char* from) { return from ? from : ""; };
+    const FieldFiles wanted{.distance = &need(given.distance, "the path of the distance"),
+                            .triangle = text(given.triangle),
+                            .winding = text(given.winding),
+                            .confidence = text(given.confidence),
+                            .gridName = text(given.grid_name),
+                            .half = given.half,
+                            .fullInside = given.full_inside};
+    const FileReport made = generateFile(need(mesh, "the mesh").view, c::fromC(need(grid, "the grid")),
+                                         all.field, wanted, all.machine);
+    if (report) *report = c::ownText(textOf(toJson(made)));
   });
 }

@@ -23,6 +23,7 @@ struct FirstVersion;
     static_assert(offsetof(Struct, size) == 0 && kSize % alignof(Struct) == 0);                \
   };
 RAYMAP_FIRST_VERSION(raymap_mesh_arrays, origin)
+RAYMAP_FIRST_VERSION(raymap_field_files, grid_name)
 RAYMAP_FIRST_VERSION(raymap_query_arrays, confidence)
 RAYMAP_FIRST_VERSION(raymap_thickness_arrays, inward)
 RAYMAP_FIRST_VERSION(raymap_point_sample_arrays, scale)

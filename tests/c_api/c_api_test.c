@@ -1024,6 +1024,49 @@ static void test_files(const char* folder) {
   raymap_mesh_free(mesh);
 }
 
+/* A field beyond the limit of memory becomes a file in slabs, with the values of the field in memory. */
+static void test_generate_file(const char* folder) {
+  char path[4096], winding[4096];
+  snprintf(path, sizeof path, "%s/c_api_slabs.nrrd", folder);
+  snprintf(winding, sizeof winding, "%s/c_api_winding.nrrd", folder);
+  raymap_mesh* mesh = make_tetrahedron();
+  raymap_options* options = with(
+      "{\"device\": \"cpu\", \"threads\": 1, \"band\": 3, \"resolution\": 160, \"memory_limit\": 15728640}");
+  raymap_grid grid;
+  CHECK(raymap_fit_grid(mesh, options, &grid) == RAYMAP_OK);
+  raymap_field_files files = RAYMAP_INIT(raymap_field_files);
+  CHECK_FAILS(raymap_generate_file(mesh, &grid, &files, options, NULL), RAYMAP_ERROR_USAGE,
+              "the path of the distance is NULL");
+  files.distance = path;
+  char* report = NULL;
+  CHECK(raymap_generate_file(mesh, &grid, &files, options, &report) == RAYMAP_OK);
+  CHECK(strstr(report, "\"form\": \"slabs\"") != NULL && number_in(report, "plan.planes") < 160.0);
+  CHECK(number_in(report, "stats.bytes") < 15728640.0);
+  raymap_text_free(report);
+  CHECK(raymap_options_set_number(options, "memory_limit", 0) == RAYMAP_OK);
+  raymap_field *read = raymap_field_load(path, NULL), *field = raymap_generate(mesh, &grid, options);
+  for (size_t i = 0; i < sample_count(&grid); ++i)
+    CHECK(fabsf(raymap_field_distance(read)[i] - raymap_field_distance(field)[i]) < 1e-5f);
+  raymap_field_free(field);
+  raymap_field_free(read);
+  files.winding = winding;
+  files.grid_name = "name";
+  CHECK_FAILS(raymap_generate_file(mesh, &grid, &files, options, NULL), RAYMAP_ERROR_USAGE, "has a grid's name");
+  files.grid_name = NULL;
+  grid = fit(mesh);
+  CHECK(raymap_generate_file(mesh, &grid, &files, NULL, &report) == RAYMAP_OK);
+  CHECK(strstr(report, "\"form\": \"whole\"") != NULL);
+  raymap_text_free(report);
+  field = raymap_field_load(winding, NULL);
+  CHECK(field != NULL && raymap_field_winding(field) != NULL);
+  CHECK_FAILS(raymap_generate_file(NULL, &grid, &files, NULL, NULL), RAYMAP_ERROR_USAGE, "the mesh is NULL");
+  CHECK_FAILS(raymap_generate_file(mesh, NULL, &files, NULL, NULL), RAYMAP_ERROR_USAGE, "the grid is NULL");
+  CHECK_FAILS(raymap_generate_file(mesh, &grid, NULL, NULL, NULL), RAYMAP_ERROR_USAGE, "raymap_field_files is NULL");
+  raymap_field_free(field);
+  raymap_options_free(options);
+  raymap_mesh_free(mesh);
+}
+
 static void test_devices(void) {
   char* devices = raymap_devices_json();
   CHECK(strstr(devices, "\"id\": \"cpu\"") != NULL && number_in(devices, "0.threads") >= 1.0);
@@ -1150,6 +1193,7 @@ int main(int argc, char** argv) {
   test_simplify();
   test_pictures(argc > 1 ? argv[1] : ".");
   test_files(argc > 1 ? argv[1] : ".");
+  test_generate_file(argc > 1 ? argv[1] : ".");
   test_devices();
   test_null();
   printf("all passed\n");
