@@ -79,14 +79,12 @@ std::vector<Output> outputs(GenerateArguments& arguments) {
 void finishOptions(GenerateArguments& arguments) {
   finishFieldArguments(arguments);
   FieldOptions& options = arguments.options;
-  options.triangle = !arguments.triangleIds.empty();
-  options.winding = !arguments.winding.empty();
   const bool isSigned = options.sign != SignMode::None;
-  options.confidence = !arguments.confidence.empty() || (isSigned && !arguments.report.empty());
-  if (!isSigned && (options.winding || options.confidence))
+  options.confidence = isSigned && !arguments.report.empty();
+  if (!isSigned && !(arguments.winding.empty() && arguments.confidence.empty()))
     throw Error(ErrorCode::Usage,
                 "--winding and --confidence need a sign; leave out --sign none and --thickness");
-  if (options.distance == DistanceMode::Raster && options.triangle)
+  if (options.distance == DistanceMode::Raster && !arguments.triangleIds.empty())
     throw Error(ErrorCode::Usage, "--triangle-ids needs another distance; leave out --distance raster");
 }
 

@@ -48,3 +48,13 @@ def test_bad_arguments(tmp_path: Path) -> None:
     with pytest.raises(raymap.FileError):
         raymap.generate_file("ball.ply", tmp_path / "nowhere" / "f.npy", resolution=8)
     assert not path.exists()
+
+
+def test_files_are_those_of_the_command_line(run_raymap, tmp_path: Path) -> None:
+    run_raymap("generate", "ball.ply", "-o", "whole.nrrd", "--resolution", 20, "--device", "cpu")
+    raymap.generate_file("ball.ply", "own.nrrd", resolution=20, device="cpu")
+    assert Path("own.nrrd").read_bytes() == Path("whole.nrrd").read_bytes()
+    run_raymap("generate", "ball.ply", "-o", "band.nvdb", "--resolution", 20, "--band", 2, "--full-inside", "--device", "cpu")
+    report = raymap.generate_file("ball.ply", "own.nvdb", resolution=20, band=2, full_inside=True, device="cpu")
+    assert report["plan"] == {"form": "narrow_band", "planes": 20, "bytes": 0}
+    assert Path("own.nvdb").read_bytes() == Path("band.nvdb").read_bytes()

@@ -8,7 +8,7 @@ namespace {
 
 template <class Enum>
 class NamesOf : public testing::Test {};
-using Enums = testing::Types<DistanceMode, SignMode, Sampling, Orientation, FieldArray, DeviceType,
+using Enums = testing::Types<DistanceMode, SignMode, Sampling, Orientation, FieldArray, FieldForm, DeviceType,
                              DeviceTestState, ErrorCode, MeshKind, Arrangement, Part, Remedy, WarningCode>;
 TYPED_TEST_SUITE(NamesOf, Enums);
 
