@@ -54,9 +54,7 @@ struct FileReport {
 
 /// Returns how `FileGenerator::make` begins with a field.
 ///
-/// - A narrow band: for a `band` and a .vdb or .nvdb, if there are more than 2^24 samples or `fullInside`
-/// asks
-///   for it.
+/// - A narrow band: for a `band` and a .vdb or .nvdb of more than 2^24 samples, or with `fullInside`.
 /// - Slabs: for a .npy, .nrrd or .vti with numbers of 32 bits, if memory does not hold all samples.
 /// - Else the whole field, as by `raymap::generate`.
 ///
@@ -79,7 +77,8 @@ class RAYMAP_API FileGenerator {
   /// Does the same, and may take the mesh, to free it early.
   FileReport make(Mesh&& mesh, const Grid& grid, const FieldOptions& options, const FieldFiles& files,
                   const MachineOptions& machine = {});
-  /// Writes the files of the last field, unless it was written in slabs. Throws `Error` as `writeField` does.
+  /// Writes the files of the last field, unless that was written in slabs or failed. Throws `Error` as
+  /// `writeField` does.
   void write() const;
 
   /// Returns the last field if it was made whole; else an empty one.

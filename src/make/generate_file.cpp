@@ -90,26 +90,28 @@ FileReport FileGenerator::run(const MeshView& mesh, Mesh* taken, const Grid& gri
   const Job job{grid, options, files_, machine};
   const size_t held = sizeof(float) * (field_.distance.size() + field_.triangle.size() +
                                        field_.winding.size() + field_.confidence.size());
-  FileReport report{.plan = planField(mesh, grid, options, files_, machine, held)};
-  form_ = report.plan.form;
+  form_ = FieldForm::Slabs;  // Nothing to write, if this fails.
   band_ = {};
+  FileReport report{.plan = planField(mesh, grid, options, files_, machine, held)};
+  const FieldForm form = report.plan.form;
   require(
-      !files_.fullInside || form_ == FieldForm::NarrowBand,
+      !files_.fullInside || form == FieldForm::NarrowBand,
       "the whole inside is kept in a narrow band alone: with a band, a .vdb or .nvdb, exact distances and "
       "the sign 'harmonic', on the CPU, and without closed holes, inversion, thickness and further arrays");
-  if (form_ == FieldForm::Whole) {
+  if (form == FieldForm::Whole) {
     try {
       tell(job, report.plan);
       report.stats = generator_.generate(mesh, grid, options, field_, machine);
+      form_ = form;
       return report;
     } catch (const Error& error) {
       if (error.code() != ErrorCode::Memory || !maySlabs(mesh, options, files_, machine)) throw;
-      form_ = FieldForm::Slabs;
     }
   }
   field_ = {};
-  if (form_ == FieldForm::NarrowBand) {
+  if (form == FieldForm::NarrowBand) {
     band_ = makeBand(job, mesh, taken, report);
+    form_ = form;
   } else {
     generator_ = {};  // Its memory goes to the slabs.
     makeSlabs(job, mesh, report);

@@ -141,6 +141,8 @@ TEST_F(GenerateFile, MakesSlabsWhereAWholeFieldNeedsMore) {
   expectFile("f.npy", regionOf(grid, {.band = 3.0}));
   files.distance = path("f.npz");
   EXPECT_EQ(codeOf([&] { generator.make(mesh_, grid, {.band = 3.0}, files, machine); }), ErrorCode::Memory);
+  generator.write();
+  EXPECT_FALSE(fs::exists(path("f.npz")));
 }
 
 TEST_F(GenerateFile, GoesOnWithSlabs) {
