@@ -65,20 +65,6 @@ void print(const SimplifyReport& simplified) {
                 simplified.tolerance);
 }
 
-/// Returns what is wrong with how the parts of a mesh lie; nothing if that is right or not known.
-const char* describe(Arrangement arrangement) {
-  switch (arrangement) {
-    case Arrangement::Overlapping:
-      return "parts of it overlap";
-    case Arrangement::Touching:
-      return "parts of it touch";
-    case Arrangement::Misnested:
-      return "parts of it face the wrong way: solids in solids, or cavities outside of solids";
-    default:
-      return "";
-  }
-}
-
 /// Prints what was mended before anything else, and how the other faces are.
 void printMended(const RepairReport& report, const std::optional<double>& base) {
   const size_t turned = report.kept ? report.stats.turnedFaces.size() : 0;

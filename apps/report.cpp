@@ -15,39 +15,6 @@
 
 namespace raymap {
 
-std::string describeDefects(const Diagnostics& found, const std::optional<SelfIntersections>& crossings) {
-  const std::array<std::pair<size_t, const char*>, 7> defects{
-      {{found.boundaryEdges, "boundary edge"},
-       {found.nonManifoldEdges, "non-manifold edge"},
-       {found.flippedEdges, "flipped edge"},
-       {found.degenerateFaces, "degenerate face"},
-       {found.farVertices, "far point"},
-       {found.duplicateFaces, "duplicate face"},
-       {found.doubleSidedFaces, "double-sided face"}}};
-  std::string text;
-  for (const auto& [count, name] : defects)
-    if (count > 0) text += (text.empty() ? "" : ", ") + counted(count, name);
-  if (crossings && crossings->pairs > 0)
-    text += (text.empty() ? "" : ", ") + std::string(crossings->complete ? "" : "at least ") +
-            counted(crossings->pairs, "crossing pair") + " of faces";
-  if (text.empty()) return crossings ? "nothing" : "nothing (faces that cross were not counted)";
-  return text;
-}
-
-std::string grouped(size_t number) {
-  const std::string digits = std::to_string(number);
-  std::string text;
-  for (size_t d = 0; d < digits.size(); ++d) {
-    if (d > 0 && (digits.size() - d) % 3 == 0) text += ',';
-    text += digits[d];
-  }
-  return text;
-}
-
-std::string counted(size_t number, const std::string& thing) {
-  return grouped(number) + " " + thing + (number == 1 ? "" : "s");
-}
-
 std::string sizeText(size_t bytes) {
   const std::array<const char*, 4> units{"kB", "MB", "GB", "TB"};
   double size = double(bytes) / 1000.0;

@@ -1,11 +1,11 @@
 #pragma once
 
 #include <raymap/repair.h>
+#include <raymap/words.h>
 
 #include <chrono>
 #include <filesystem>
 #include <nlohmann/json_fwd.hpp>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -15,14 +15,6 @@ namespace raymap {
 
 using Json = nlohmann::ordered_json;  // Files that make some include raymap/json.h.
 
-/// Returns, for example, "418 boundary edges, 2 crossing pairs of faces"; "nothing" if there is none, and
-/// that crossings were not counted if so.
-std::string describeDefects(const Diagnostics& found, const std::optional<SelfIntersections>& crossings);
-
-/// Returns a number as "1,234,567".
-std::string grouped(size_t number);
-/// Returns a count as "1 edge" or "1,234 edges".
-std::string counted(size_t number, const std::string& thing);
 /// Returns a number of bytes as "1.23 GB".
 std::string sizeText(size_t bytes);
 

@@ -503,9 +503,10 @@ RAYMAP_API raymap_result raymap_scene_query(const raymap_scene* scene, const dou
 /* ---- Inspection ---- */
 
 /* Returns the size, topology and defects of a mesh, the faces that cross and a verdict, as JSON: what `raymap
- * info --json` prints (docs/report.md) without the unit. Lists end after a thousand values. The caller frees
- * it with raymap_text_free. Options: "threads", "memory_limit" and the progress callback; they may be NULL.
- */
+ * info --json` prints (docs/report.md) without the unit. Adds its sentences: "kind_text" says what the mesh
+ * is and what else is wrong with it, "defects_text" counts its defects, and "thickness_text" says what a
+ * repair keeps of its thinnest part. Lists end after a thousand values. The caller frees it with
+ * raymap_text_free. Options: "threads", "memory_limit" and the progress callback; they may be NULL. */
 RAYMAP_API char* raymap_inspect(const raymap_mesh* mesh, const raymap_options* options);
 
 /* ---- Repair and simplification ---- */

@@ -41,3 +41,4 @@
 #include <raymap/verdict.h>
 #include <raymap/version.h>
 #include <raymap/warning.h>
+#include <raymap/words.h>

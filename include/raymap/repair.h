@@ -10,6 +10,7 @@
 #include <cstddef>
 #include <functional>
 #include <optional>
+#include <string>
 #include <vector>
 
 namespace raymap {
@@ -186,6 +187,11 @@ RAYMAP_API RepairGrid fitRepairGrid(const MeshView& mesh, const GridOptions& opt
 RAYMAP_API RepairGrid chooseRepairGrid(const MeshView& mesh, const Verdict& verdict,
                                        const GridOptions& options = {}, const RepairOptions& repair = {},
                                        const MachineOptions& machine = {});
+
+/// Returns how thick the thinnest part of a mesh is, and what a repair on the grid that it chooses keeps of
+/// it, in whole sentences. `judge` made the verdict, with the thickness. Empty if the mesh is no solid.
+RAYMAP_API std::string describeThickness(const MeshView& mesh, const Verdict& verdict,
+                                         const MachineOptions& machine = {});
 
 /// Returns a watertight solid in place of any mesh: the isosurface of its field on `grid`, which must hold
 /// the result. Keeps the faces of a mesh with nothing wrong that needs no change; also of one in which

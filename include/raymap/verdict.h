@@ -48,6 +48,11 @@ struct Verdict {
   double thickness = 0.0;
 };
 
+/// Returns whether the parts of a mesh have a thickness: it bounds a solid, however wrongly.
+inline bool hasThickness(const Verdict& verdict) {
+  return verdict.kind != MeshKind::NoSurface && verdict.remedy != Remedy::Thicken;
+}
+
 /// Judges a mesh by what `diagnose` and `findSelfIntersections` found, without its thickness. The diagnostics
 /// must not be brief. Without crossings, the mesh is taken for one without any. `arrangement` comes from
 /// `arrangeParts`; unknown, closed parts are taken for apart unless faces cross.

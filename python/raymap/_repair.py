@@ -20,6 +20,9 @@ class Info(Inspection):
     """Diagnostics of a mesh, and a verdict."""
 
     verdict: Verdict
+    kind_text: str  #: What the mesh is, as the end of "This is", and what else is wrong with it.
+    defects_text: str  #: Its defects with their numbers; "nothing" if there is none.
+    thickness_text: str  #: How thick its thinnest part is, and what a repair keeps of it; empty if it is no solid.
 
 
 class FastInfo(Diagnostics):
@@ -27,6 +30,9 @@ class FastInfo(Diagnostics):
 
     self_intersections: None
     verdict: Verdict
+    kind_text: str
+    defects_text: str
+    thickness_text: str
 
 
 @overload
@@ -36,7 +42,7 @@ def info(mesh_or_vertices: Any, faces: Any = None, *, fast: Literal[True], progr
 @overload
 def info(mesh_or_vertices: Any, faces: Any = None, *, fast: bool, progress: Progress = None) -> Info | FastInfo: ...
 def info(mesh_or_vertices: Any, faces: Any = None, *, fast: bool = False, progress: Progress = None) -> Info | FastInfo:
-    """Returns size, topology and defects of a mesh: what ``raymap info --json`` prints.
+    """Returns size, topology and defects of a mesh: what ``raymap info --json`` prints, and its sentences.
 
     Args:
         mesh_or_vertices: A mesh, the path of a file, or positions, (n, 3), as for ``raymap.generate``.
@@ -54,6 +60,8 @@ def info(mesh_or_vertices: Any, faces: Any = None, *, fast: bool = False, progre
     (1280, True, 0)
     >>> found["verdict"]["kind"], found["verdict"]["remedy"]
     ('clean_solid', 'none')
+    >>> found["kind_text"]
+    'a clean solid, with nothing wrong.'
     """
     mesh = core_of(_inputs.to_mesh(mesh_or_vertices, faces))
     with reporting(progress) as report:

@@ -3,6 +3,7 @@
 #include <raymap/c.h>
 #include <raymap/repair.h>
 #include <raymap/simplify.h>
+#include <raymap/words.h>
 
 #include "c_api/c_report.h"
 
@@ -18,7 +19,11 @@ char* raymap_inspect(const raymap_mesh* mesh, const raymap_options* options) {
     const Diagnostics found = diagnose(view, {}, machine);
     const SelfIntersections crossings = findSelfIntersections(view, machine);
     nlohmann::ordered_json json = toJson(Inspection{found, crossings});
-    json["verdict"] = toJson(judge(view, found, crossings, machine));
+    const Verdict verdict = judge(view, found, crossings, machine);
+    json["verdict"] = toJson(verdict);
+    json["kind_text"] = describe(verdict, found, crossings);
+    json["defects_text"] = describeDefects(found, crossings);
+    json["thickness_text"] = describeThickness(view, verdict, machine);
     return json;
   });
 }

@@ -33,8 +33,7 @@ std::optional<double> findThinnest(const MeshView& view, double maxThickness, co
 void addThinnest(const MeshView& mesh, const Diagnostics& found, const MachineOptions& machine,
                  Verdict& verdict) {
   constexpr size_t kMostTriangles = 2'000'000;  // They take a second or two.
-  const bool isSolid = verdict.kind != MeshKind::NoSurface && verdict.remedy != Remedy::Thicken;
-  if (!isSolid || found.triangles > kMostTriangles) return;
+  if (!hasThickness(verdict) || found.triangles > kMostTriangles) return;
   const glm::dvec3 size = found.bounds.size();
   verdict.sought = std::max({size.x, size.y, size.z}) / 25.0;
   verdict.thinnest = findThinnest(mesh, verdict.sought, machine);

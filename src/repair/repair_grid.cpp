@@ -1,11 +1,15 @@
+#include "repair/repair_grid.h"
+
 #include <raymap/repair.h>
 #include <raymap/thickness.h>
+#include <raymap/words.h>
 
 #include <algorithm>
 #include <cmath>
 
 #include "base/memory.h"
 #include "base/require.h"
+#include "base/text.h"
 #include "measure/thinnest.h"
 
 namespace raymap {
@@ -39,11 +43,22 @@ GridOptions coveringOptions(const GridOptions& options, const RepairOptions& rep
   return covering;
 }
 
+/// Returns the number of samples along the longest side of a grid.
+std::string samplesAlong(const Grid& grid) {
+  return std::to_string(std::max({grid.dims.x, grid.dims.y, grid.dims.z})) + " samples";
+}
+
 bool isChosen(const GridOptions& options) {
   return options.resolution || options.voxelSize > 0.0;
 }
 
 }  // namespace
+
+glm::dvec3 samplesFor(const Box& box, double voxelSize) {
+  const glm::dvec3 size = box.size();
+  const double padding = 2.0 * GridOptions{}.padding * std::max({size.x, size.y, size.z});
+  return (size + padding) / voxelSize;
+}
 
 RepairGrid chooseRepairGrid(const MeshView& mesh, const Verdict& verdict, const GridOptions& options,
                             const RepairOptions& repair, const MachineOptions& machine) {
@@ -71,6 +86,27 @@ RepairGrid fitRepairGrid(const MeshView& mesh, const GridOptions& options, const
     addThinnest(mesh, found, machine, verdict);
   }
   return chooseRepairGrid(mesh, verdict, options, repair, machine);
+}
+
+std::string describeThickness(const MeshView& mesh, const Verdict& verdict, const MachineOptions& machine) {
+  if (verdict.sought == 0.0)
+    return hasThickness(verdict) ? "The thickness was not measured: there are too many triangles." : "";
+  const RepairGrid grid = chooseRepairGrid(mesh, verdict, {}, {}, machine);
+  if (!verdict.voxelSize)
+    return "No part is thinner than " + rounded(verdict.sought) + "; a repair with " + samplesAlong(grid) +
+           " keeps all.";
+  const std::string part = "Its thinnest part is about " + rounded(*verdict.thinnest) + " thick. ";
+  const std::string voxels = "a voxel size of " + numberText(*verdict.voxelSize, 3);
+  if (!grid.thinnest && *verdict.voxelSize >= grid.spacing)
+    return part + "A repair with " + samplesAlong(grid) + " keeps it; so does " + voxels + ".";
+  const bool isKept = grid.thinnest && grid.keepsThinnest();
+  const glm::dvec3 n =
+      isKept ? glm::dvec3(grid.dims) : glm::ceil(samplesFor(bounds(mesh), *verdict.voxelSize));
+  const std::string samples =
+      voxels + ": " + rounded(n.x) + " x " + rounded(n.y) + " x " + rounded(n.z) + " samples";
+  if (isKept) return part + "A repair chooses what keeps it, " + samples + ".";
+  return part + "To keep it as it is would take " + samples + ". A repair takes " + samplesAlong(grid) +
+         ", and makes what is thinner " + rounded(kThinnestWall * grid.spacing) + " thick.";
 }
 
 }  // namespace raymap

@@ -7,6 +7,7 @@
 
 #include "base/text.h"
 #include "mesh/pieces.h"
+#include "repair/repair_grid.h"
 
 namespace raymap {
 
@@ -83,9 +84,7 @@ void warnOfThickened(const PackedMesh& mesh, const Thickened& thickened, const R
                      double thickness, const WarningCallback& warn) {
   if (repair.minThickness || thickened.grownShare < kNotableGrowth) return;
   const double voxelSize = roundDown(0.5 * thickened.thinnest);
-  const glm::dvec3 size = bounds(mesh).size();
-  const double padding = 2.0 * GridOptions{}.padding * std::max({size.x, size.y, size.z});
-  const glm::dvec3 samples = (size + padding) / voxelSize;
+  const glm::dvec3 samples = samplesFor(bounds(mesh), voxelSize);
   const double count = samples.x * samples.y * samples.z;
   const bool isPossible = count <= kMostAdvised;
   warn({WarningCode::PartsThickened,

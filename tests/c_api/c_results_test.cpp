@@ -156,7 +156,11 @@ TEST_F(CResults, InspectionIsThatOfTheThreeFunctions) {
   ASSERT_EQ(found.holes.size(), 2u);
   const Handle<char, raymap_text_free> json(raymap_inspect(cMesh_.get(), nullptr));
   Json expected = toJson(Inspection{found, crossings});
-  expected["verdict"] = toJson(judge(mesh_, found, crossings));
+  const Verdict verdict = judge(mesh_, found, crossings);
+  expected["verdict"] = toJson(verdict);
+  expected["kind_text"] = describe(verdict, found, crossings);
+  expected["defects_text"] = describeDefects(found, crossings);
+  expected["thickness_text"] = describeThickness(mesh_, verdict);
   EXPECT_EQ(json.get(), textOf(expected));
 }
 

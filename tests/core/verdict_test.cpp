@@ -203,6 +203,40 @@ TEST(Verdict, LeavesOutTheThinnestFiveHundredthOfTheArea) {
   EXPECT_NEAR(findThinnest(withSlab(0.9), 1.0).value(), 0.01, 1e-4);  // 0.27 %
 }
 
+TEST(Verdict, HasWords) {
+  const Diagnostics found = diagnose(tray(1.0));
+  EXPECT_EQ(
+      describe(judge(found, {}), found, {}),
+      "a solid with holes, as scans have: 1 hole, 1.41 wide. Faces that cross and parts that overlap were "
+      "not looked for.");
+  EXPECT_EQ(describeDefects(found, {}), "4 boundary edges");
+  EXPECT_EQ(describeDefects(diagnose(shapes::sphere(1.0, 2)), SelfIntersections{}), "nothing");
+  EXPECT_STREQ(describe(Arrangement::Touching), "parts of it touch");
+  EXPECT_STREQ(describe(Arrangement::Nested), "");
+  EXPECT_EQ(counted(1234567, "face"), "1,234,567 faces");
+  EXPECT_EQ(rounded(1234.5), "1,235");
+}
+
+TEST(Verdict, SaysOfASoupWhatItsRepairDoes) {
+  Mesh soup;
+  for (const glm::uvec3& t : shapes::box({0, 0, 0}, {10, 10, 0.1}).triangles) {
+    const Mesh box = shapes::box({0, 0, 0}, {10, 10, 0.1});
+    const auto first = uint32_t(soup.vertices.size());
+    const glm::vec3 shift(0.001f * float(first), 0.0f, 0.0f);
+    for (int c = 0; c < 3; ++c) soup.vertices.push_back(box.vertices[t[c]] + shift);
+    soup.triangles.emplace_back(first, first + 1, first + 2);
+  }
+  const Verdict verdict = judge(soup, diagnose(soup), findSelfIntersections(soup));
+  ASSERT_EQ(verdict.kind, MeshKind::Soup);
+  const RepairGrid grid = fitRepairGrid(soup);
+  EXPECT_EQ(std::max({grid.dims.x, grid.dims.y, grid.dims.z}), 128);
+  const std::string words = describeThickness(soup, verdict);
+  EXPECT_NE(words.find("128 samples"), std::string::npos) << words;
+  EXPECT_NE(words.find("what is thinner " + rounded(kThinnestWall * grid.spacing) + " thick"),
+            std::string::npos)
+      << words;
+}
+
 TEST(Verdict, HasNames) {
   EXPECT_EQ(name(MeshKind::NoSurface), "no_surface");
   EXPECT_EQ(name(MeshKind::OpenSolid), "open_solid");
