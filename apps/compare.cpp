@@ -57,8 +57,7 @@ void print(const Comparison& found, FieldArray array) {
     std::printf("not finite        %s, left out of all the above\n", grouped(found.nonFinite).c_str());
 }
 
-template <class Each>
-FieldArray chooseCommon(const CompareArguments& arguments, Each& a, Each& b) {
+FieldArray chooseCommon(const CompareArguments& arguments, Field& a, Field& b) {
   const FieldArray ofA = chooseArray(arguments.a, arguments.as, a);
   const FieldArray ofB = chooseArray(arguments.b, arguments.as, b);
   if (ofA != ofB)
@@ -69,20 +68,11 @@ FieldArray chooseCommon(const CompareArguments& arguments, Each& a, Each& b) {
   return ofA;
 }
 
-using AnyField = std::variant<Field, SparseField>;
-
-AnyField load(const fs::path& path, const CompareArguments& arguments) {
-  return loadAnyField(path, arguments.format.input, arguments.format.grid);
+Field load(const fs::path& path, const CompareArguments& arguments) {
+  return loadField(path, arguments.format.input, arguments.format.grid);
 }
 
-Field dense(AnyField field) {
-  if (const SparseField* band = std::get_if<SparseField>(&field)) return toDense(*band);
-  return std::get<Field>(std::move(field));
-}
-
-/// Compares two dense fields, or two narrow bands.
-template <class Each>
-void compare(const CompareArguments& arguments, Each& a, Each& b) {
+void compare(const CompareArguments& arguments, Field& a, Field& b) {
   const FieldArray array = chooseCommon(arguments, a, b);
   const Comparison found = compareFields(a, b, array);
   constexpr int kWidth = 1024;
@@ -101,12 +91,10 @@ void run(CompareArguments& arguments) {
   const std::vector<Output> outputs{{"--output", arguments.picture, {".png"}}};
   prepareFiles(arguments.format, {{arguments.a, fieldExtensions()}, {arguments.b, fieldExtensions()}},
                outputs);
-  auto a = load(arguments.a, arguments), b = load(arguments.b, arguments);
-  if (a.index() != b.index()) a = dense(std::move(a)), b = dense(std::move(b));
-  if (Field* first = std::get_if<Field>(&a))
-    compare(arguments, *first, std::get<Field>(b));
-  else
-    compare(arguments, std::get<SparseField>(a), std::get<SparseField>(b));
+  Field a = load(arguments.a, arguments), b = load(arguments.b, arguments);
+  if (a.narrow && !b.narrow) a = toDense(a);
+  if (b.narrow && !a.narrow) b = toDense(b);
+  compare(arguments, a, b);
 }
 
 }  // namespace

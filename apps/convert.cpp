@@ -14,6 +14,7 @@
 #include "report.h"
 #include "terminal.h"
 #include "text.h"
+#include "warnings.h"
 
 namespace raymap {
 
@@ -62,8 +63,7 @@ void writeConverted(const ConvertArguments& arguments, Mesh& mesh, std::vector<g
 }
 
 /// Warns of what the file's format has no place for: arrays besides the first, and the grid.
-template <class AnyField>
-void warnOfDropped(const ConvertArguments& arguments, const AnyField& field) {
+void warnOfDropped(const ConvertArguments& arguments, const Field& field) {
   const std::filesystem::path output = named(arguments.output, arguments.format.output);
   std::string dropped = hasExtension(output, {".npy"}) ? "the grid" : "";
   const std::vector<FieldArray> arrays = heldArrays(field);
@@ -78,25 +78,14 @@ void warnOfDropped(const ConvertArguments& arguments, const AnyField& field) {
 
 void writeConverted(const ConvertArguments& arguments, Field& field) {
   convertUnits(field, arguments.units, named(arguments.input, arguments.format.input));
-  writeField(arguments.output, field,
-             {.array = heldArray(field),
-              .format = arguments.format.output,
-              .gridName = arguments.gridName,
-              .half = arguments.half});
-  warnOfDropped(arguments, field);
-  printWritten(arguments.output);
-}
-
-void writeConverted(const ConvertArguments& arguments, SparseField& band) {
-  convertUnits(band, arguments.units, named(arguments.input, arguments.format.input));
   const std::filesystem::path output = named(arguments.output, arguments.format.output);
-  const FieldWriteOptions options{
-      .format = arguments.format.output, .gridName = arguments.gridName, .half = arguments.half};
-  if (hasExtension(output, {".vdb", ".nvdb"}))
-    writeBand(arguments.output, band, options);
-  else
-    writeDense(arguments.output, band, options);
-  warnOfDropped(arguments, band);
+  const FieldWriteOptions options{.array = heldArray(field),
+                                  .format = arguments.format.output,
+                                  .gridName = arguments.gridName,
+                                  .half = arguments.half};
+  const bool isMadeDense = field.narrow && !hasExtension(output, {".vdb", ".nvdb"});
+  (isMadeDense ? writeDense : writeField)(arguments.output, field, options);
+  warnOfDropped(arguments, field);
   printWritten(arguments.output);
 }
 
@@ -110,16 +99,20 @@ void joinBands(const ConvertArguments& arguments, const std::vector<std::filesys
     throw Error(ErrorCode::Usage,
                 "--grid-name names one grid, and each of several inputs gives its grid the "
                 "name of its file; leave it out");
-  std::vector<SparseField> bands;
+  std::vector<Field> bands;
   std::vector<std::string> names;
   for (const std::filesystem::path& input : inputs) {
-    bands.push_back(loadBand(input, arguments.format.input, arguments.format.grid));
+    const WaitingLine line("reading " + briefName(input));
+    bands.push_back(readField(input, {.format = arguments.format.input,
+                                      .warn = warn,
+                                      .gridName = arguments.format.grid,
+                                      .levelSet = LevelSet::Narrow}));
     convertUnits(bands.back(), arguments.units, named(input, arguments.format.input));
     names.push_back(input.stem().string());
   }
-  std::vector<NamedBand> all;
+  std::vector<NamedField> all;
   for (size_t b = 0; b < bands.size(); ++b) all.push_back({names[b], &bands[b]});
-  writeBands(arguments.output, all, {.format = arguments.format.output, .half = arguments.half});
+  writeFields(arguments.output, all, {.format = arguments.format.output, .half = arguments.half});
   printWritten(arguments.output);
 }
 
@@ -142,13 +135,11 @@ void run(ConvertArguments& arguments) {
   inputs.insert(inputs.end(), arguments.others.begin(), arguments.others.end());
   if (inputs.size() > 1) return joinBands(arguments, inputs);
   std::vector<glm::dvec3> exact;
-  auto read = loadMeshFieldOrBand(arguments.input, arguments.format.input, arguments.format.grid, &exact);
+  auto read = loadMeshOrField(arguments.input, arguments.format.input, arguments.format.grid, &exact);
   if (Mesh* mesh = std::get_if<Mesh>(&read))
     writeConverted(arguments, *mesh, std::move(exact));
-  else if (Field* field = std::get_if<Field>(&read))
-    writeConverted(arguments, *field);
   else
-    writeConverted(arguments, std::get<SparseField>(read));
+    writeConverted(arguments, std::get<Field>(read));
 }
 
 }  // namespace

@@ -7,11 +7,10 @@ namespace raymap {
 
 namespace {
 
-template <class AnyField>
-bool hasArray(const AnyField& field, FieldArray array) {
+bool hasArray(const Field& field, FieldArray array) {
   switch (array) {
     case FieldArray::Distance:
-      return !field.distance.empty();
+      return field.narrow || !field.distance.empty();
     case FieldArray::Winding:
       return !field.winding.empty();
     case FieldArray::Confidence:
@@ -22,14 +21,6 @@ bool hasArray(const AnyField& field, FieldArray array) {
   return false;
 }
 
-template <class AnyField>
-std::vector<FieldArray> heldBy(const AnyField& field) {
-  std::vector<FieldArray> held;
-  for (const std::string_view each : names<FieldArray>())
-    if (const auto array = fromName<FieldArray>(each); hasArray(field, array)) held.push_back(array);
-  return held;
-}
-
 }  // namespace
 
 Box boxOf(const Grid& grid) {
@@ -37,11 +28,10 @@ Box boxOf(const Grid& grid) {
 }
 
 std::vector<FieldArray> heldArrays(const Field& field) {
-  return heldBy(field);
-}
-
-std::vector<FieldArray> heldArrays(const SparseField& band) {
-  return heldBy(band);
+  std::vector<FieldArray> held;
+  for (const std::string_view each : names<FieldArray>())
+    if (const auto array = fromName<FieldArray>(each); hasArray(field, array)) held.push_back(array);
+  return held;
 }
 
 FieldArray heldArray(const Field& field) {
@@ -49,7 +39,7 @@ FieldArray heldArray(const Field& field) {
 }
 
 void requireDistances(const std::filesystem::path& path, const Field& field) {
-  if (!field.distance.empty()) return;
+  if (hasArray(field, FieldArray::Distance)) return;
   throw Error(ErrorCode::Usage, path.string() + ": it holds the array '" +
                                     std::string(name(heldArray(field))) +
                                     "', and no distances, which are needed here");
@@ -60,19 +50,14 @@ FieldArray chooseArray(const std::filesystem::path& path, const std::string& as,
   if (as.empty()) return held;
   const auto asked = fromName<FieldArray>(as);
   if (hasArray(field, asked)) return asked;
+  if (field.narrow)
+    throw Error(ErrorCode::Usage,
+                path.string() + ": it does not hold the array '" + as + "'; leave out --as");
   const bool isNumber = asked == FieldArray::Winding || asked == FieldArray::Confidence;
   if (held != FieldArray::Distance || !isNumber)
     throw Error(ErrorCode::Usage, path.string() + ": it holds the array '" + std::string(name(held)) +
                                       "', not '" + as + "'; leave out --as");
   (asked == FieldArray::Winding ? field.winding : field.confidence) = std::move(field.distance);
-  return asked;
-}
-
-FieldArray chooseArray(const std::filesystem::path& path, const std::string& as, const SparseField& band) {
-  const FieldArray asked = as.empty() ? FieldArray::Distance : fromName<FieldArray>(as);
-  if (asked != FieldArray::Distance && !hasArray(band, asked))
-    throw Error(ErrorCode::Usage,
-                path.string() + ": it does not hold the array '" + as + "'; leave out --as");
   return asked;
 }
 

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <raymap/field.h>
-#include <raymap/sparse_field.h>
 
 #include <filesystem>
 #include <string>
@@ -14,9 +13,9 @@ Box boxOf(const Grid& grid);
 
 /// Returns the arrays that a file holds, distance first.
 std::vector<FieldArray> heldArrays(const Field& field);
-std::vector<FieldArray> heldArrays(const SparseField& band);
 
-/// Returns the array that a file holds: the distance, or one that `generate` wrote by itself.
+/// Returns the array that a file holds: the distance, or one that `generate` wrote by itself. A narrow band
+/// has distances.
 FieldArray heldArray(const Field& field);
 
 /// Throws `Error(Usage)` if a file holds another array instead of distances.
@@ -26,8 +25,5 @@ void requireDistances(const std::filesystem::path& path, const Field& field);
 /// one array of floats holds what --as says: a .npy keeps no name. Throws `Error(Usage)` if the file has no
 /// such array.
 FieldArray chooseArray(const std::filesystem::path& path, const std::string& as, Field& field);
-/// Returns the array of a narrow band to show: the one named by --as, or the distance if `as` is empty.
-/// Throws `Error(Usage)` if the band has no such array.
-FieldArray chooseArray(const std::filesystem::path& path, const std::string& as, const SparseField& band);
 
 }  // namespace raymap

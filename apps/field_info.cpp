@@ -46,7 +46,7 @@ void count(double value, size_t samples, FieldInfo& info) {
 }
 
 /// Returns the samples of a cube that lie on the lattice, along each axis.
-glm::ivec3 sizeOnLattice(const SparseField& band, const glm::ivec3& low, int side) {
+glm::ivec3 sizeOnLattice(const Field& band, const glm::ivec3& low, int side) {
   return glm::min(band.grid.dims - low, glm::ivec3(side));
 }
 
@@ -54,9 +54,45 @@ size_t volumeOf(const glm::ivec3& size) {
   return size_t(size.x) * size_t(size.y) * size_t(size.z);
 }
 
+FieldInfo inspectBand(const Field& field) {
+  const NarrowBand& band = *field.narrow;
+  FieldInfo info{.samples = field.grid.sampleCount()};
+  size_t rest = info.samples;
+  for (size_t leaf = 0; leaf < band.leaves.size(); ++leaf) {
+    const glm::ivec3 size = sizeOnLattice(field, band.leaves[leaf], NarrowBand::kLeafSide);
+    const float* values = field.distance.data() + leaf * NarrowBand::kLeafSamples;
+    for (int z = 0; z < size.z; ++z)
+      for (int y = 0; y < size.y; ++y)
+        for (int x = 0; x < size.x; ++x)
+          count(values[(z * NarrowBand::kLeafSide + y) * NarrowBand::kLeafSide + x], 1, info);
+    rest -= volumeOf(size);
+  }
+  for (const NarrowBand::Tile& tile : band.tiles) {
+    const size_t samples = volumeOf(sizeOnLattice(field, tile.low, tile.side));
+    count(-float(band.inside), samples, info);
+    rest -= samples;
+  }
+  if (rest > 0) count(float(band.outside), rest, info);
+  return info;
+}
+
+void printClamp(const Field& field) {
+  const double spacing = field.grid.spacing;
+  if (const auto& band = field.narrow) {
+    std::printf("%-24s -%.9g and %.9g, %.4g and %.4g samples\n", "distances clamped to", band->inside,
+                band->outside, band->inside / spacing, band->outside / spacing);
+    printLine("active samples", grouped(field.activeCount()));
+    printLine("leaves of 512 samples", grouped(band->leaves.size()));
+  } else if (field.clampDistance > 0.0) {
+    std::printf("%-24s %.9g, %.4g samples\n", "distances clamped to", field.clampDistance,
+                field.clampDistance / spacing);
+  }
+}
+
 }  // namespace
 
 FieldInfo inspect(const Field& field) {
+  if (field.narrow) return inspectBand(field);
   FieldInfo info{.array = heldArray(field), .samples = field.grid.sampleCount()};
   if (info.array == FieldArray::Triangle) return info;
   const Buffer<float>& values = info.array == FieldArray::Distance  ? field.distance
@@ -66,51 +102,7 @@ FieldInfo inspect(const Field& field) {
   return info;
 }
 
-FieldInfo inspect(const SparseField& band) {
-  FieldInfo info{.samples = band.grid.sampleCount()};
-  size_t rest = info.samples;
-  for (size_t leaf = 0; leaf < band.leaves.size(); ++leaf) {
-    const glm::ivec3 size = sizeOnLattice(band, band.leaves[leaf], SparseField::kLeafSide);
-    const float* values = band.distance.data() + leaf * SparseField::kLeafSamples;
-    for (int z = 0; z < size.z; ++z)
-      for (int y = 0; y < size.y; ++y)
-        for (int x = 0; x < size.x; ++x)
-          count(values[(z * SparseField::kLeafSide + y) * SparseField::kLeafSide + x], 1, info);
-    rest -= volumeOf(size);
-  }
-  for (const SparseField::Tile& tile : band.tiles) {
-    const size_t samples = volumeOf(sizeOnLattice(band, tile.low, tile.side));
-    count(-float(band.inside), samples, info);
-    rest -= samples;
-  }
-  if (rest > 0) count(float(band.outside), rest, info);
-  return info;
-}
-
-namespace {
-
-void printClamp(const Field& field) {
-  if (field.clampDistance > 0.0)
-    std::printf("%-24s %.9g, %.4g samples\n", "distances clamped to", field.clampDistance,
-                field.clampDistance / field.grid.spacing);
-}
-
-void printClamp(const SparseField& band) {
-  std::printf("%-24s -%.9g and %.9g, %.4g and %.4g samples\n", "distances clamped to", band.inside,
-              band.outside, band.inside / band.grid.spacing, band.outside / band.grid.spacing);
-  printLine("active samples", grouped(band.activeCount()));
-  printLine("leaves of 512 samples", grouped(band.leaves.size()));
-}
-
-double clampDistanceOf(const Field& field) {
-  return field.clampDistance;
-}
-double clampDistanceOf(const SparseField& band) {
-  return std::min(band.inside, band.outside);
-}
-
-template <class AnyField>
-void printAny(const AnyField& field, const FieldInfo& info, const std::string& unit) {
+void print(const Field& field, const FieldInfo& info, const std::string& unit) {
   const Grid& grid = field.grid;
   const Box box = boxOf(grid), &surface = field.surfaceBounds;
   const std::string by = " x ", dims = std::to_string(grid.dims.x) + by + std::to_string(grid.dims.y) + by +
@@ -135,49 +127,31 @@ void printAny(const AnyField& field, const FieldInfo& info, const std::string& u
   if (info.notFinite > 0) printLine("values not finite", grouped(info.notFinite));
 }
 
-template <class AnyField>
-Json describeAny(const AnyField& field, const FieldInfo& info, const std::string& unit) {
+Json describe(const Field& field, const FieldInfo& info, const std::string& unit) {
   Json arrays = Json::array();
   for (const FieldArray array : heldArrays(field)) arrays.push_back(name(array));
   const bool isDistance = info.array == FieldArray::Distance;
-  return {{"grid",
-           {{"dims", toJson(field.grid.dims)},
-            {"origin", toJson(field.grid.origin)},
-            {"spacing", field.grid.spacing},
-            {"samples", info.samples}}},
-          {"unit", unit.empty() ? Json() : Json(unit)},
-          {"arrays", arrays},
-          {"surface_bounds", field.surfaceBounds.isEmpty() ? Json() : toJson(field.surfaceBounds)},
-          {"clamp_distance", clampDistanceOf(field)},
-          {"array", name(info.array)},
-          {"min", toJson(info.least)},
-          {"max", toJson(info.most)},
-          {"inside", isDistance ? Json(info.inside) : Json()},
-          {"inside_share", isDistance ? Json(double(info.inside) / double(info.samples)) : Json()},
-          {"non_finite", info.notFinite}};
-}
-
-}  // namespace
-
-void print(const Field& field, const FieldInfo& info, const std::string& unit) {
-  printAny(field, info, unit);
-}
-
-void print(const SparseField& band, const FieldInfo& info, const std::string& unit) {
-  printAny(band, info, unit);
-}
-
-Json describe(const Field& field, const FieldInfo& info, const std::string& unit) {
-  return describeAny(field, info, unit);
-}
-
-Json describe(const SparseField& band, const FieldInfo& info, const std::string& unit) {
-  Json json = describeAny(band, info, unit);
-  json["band"] = {{"outside", band.outside},
-                  {"inside", std::isfinite(band.inside) ? Json(band.inside) : Json()},
-                  {"leaves", band.leaves.size()},
-                  {"tiles", band.tiles.size()},
-                  {"active", band.activeCount()}};
+  Json json{{"grid",
+             {{"dims", toJson(field.grid.dims)},
+              {"origin", toJson(field.grid.origin)},
+              {"spacing", field.grid.spacing},
+              {"samples", info.samples}}},
+            {"unit", unit.empty() ? Json() : Json(unit)},
+            {"arrays", arrays},
+            {"surface_bounds", field.surfaceBounds.isEmpty() ? Json() : toJson(field.surfaceBounds)},
+            {"clamp_distance", field.clamp()},
+            {"array", name(info.array)},
+            {"min", toJson(info.least)},
+            {"max", toJson(info.most)},
+            {"inside", isDistance ? Json(info.inside) : Json()},
+            {"inside_share", isDistance ? Json(double(info.inside) / double(info.samples)) : Json()},
+            {"non_finite", info.notFinite}};
+  if (const auto& band = field.narrow)
+    json["band"] = {{"outside", band->outside},
+                    {"inside", std::isfinite(band->inside) ? Json(band->inside) : Json()},
+                    {"leaves", band->leaves.size()},
+                    {"tiles", band->tiles.size()},
+                    {"active", field.activeCount()}};
   return json;
 }
 

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <raymap/field.h>
-#include <raymap/sparse_field.h>
 
 #include <optional>
 #include <string>
@@ -17,17 +16,13 @@ struct FieldInfo {
   std::optional<double> least, most;
 };
 
-/// Counts the values of the array that a field's file holds.
+/// Counts the values of the array that a field's file holds; of a narrow band, the distances of all samples.
 FieldInfo inspect(const Field& field);
-/// Counts the distances of all samples on the lattice.
-FieldInfo inspect(const SparseField& band);
 
 /// Prints the grid of a field, its arrays and figures. `unit`: that of all lengths, or empty.
 void print(const Field& field, const FieldInfo& info, const std::string& unit);
-void print(const SparseField& band, const FieldInfo& info, const std::string& unit);
 
 /// Returns the same for programs.
 Json describe(const Field& field, const FieldInfo& info, const std::string& unit);
-Json describe(const SparseField& band, const FieldInfo& info, const std::string& unit);
 
 }  // namespace raymap

@@ -106,16 +106,15 @@ Field makeFieldOf(Mesh& mesh, const std::filesystem::path& file, const FieldArgu
 
 }  // namespace
 
-std::variant<Field, SparseField> loadFieldOrBand(const std::filesystem::path& path,
-                                                 const FieldArguments& arguments, const std::string& format,
-                                                 const std::string& grid,
-                                                 const std::filesystem::path& result) {
-  auto read = loadMeshFieldOrBand(path, format, grid);
+Field loadOrMakeField(const std::filesystem::path& path, const FieldArguments& arguments,
+                      const std::string& format, const std::string& grid,
+                      const std::filesystem::path& result) {
+  std::variant<Mesh, Field> read = loadMeshOrField(path, format, grid);
   if (Mesh* mesh = std::get_if<Mesh>(&read))
     return makeFieldOf(*mesh, named(path, format), arguments, result);
-  std::visit([&](auto& each) { convertUnits(each, arguments.units, named(path, format)); }, read);
-  if (SparseField* band = std::get_if<SparseField>(&read)) return std::move(*band);
-  return std::get<Field>(std::move(read));
+  Field& field = std::get<Field>(read);
+  convertUnits(field, arguments.units, named(path, format));
+  return std::move(field);
 }
 
 }  // namespace raymap

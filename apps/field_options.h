@@ -54,9 +54,8 @@ Field makeField(const Mesh& mesh, const Grid& grid, const FieldArguments& argume
 /// Reads a field, or reads a mesh and makes its field. A large level set is read as a narrow band. `format`
 /// counts if the file's name does not tell, and `grid` names the grid to read. A mesh is turned to the axis
 /// that is up in the file to write, `result`, if there is one.
-std::variant<Field, SparseField> loadFieldOrBand(const std::filesystem::path& path,
-                                                 const FieldArguments& arguments, const std::string& format,
-                                                 const std::string& grid,
-                                                 const std::filesystem::path& result);
+Field loadOrMakeField(const std::filesystem::path& path, const FieldArguments& arguments,
+                      const std::string& format, const std::string& grid,
+                      const std::filesystem::path& result);
 
 }  // namespace raymap

@@ -129,6 +129,7 @@ void inspectMesh(const Mesh& mesh, const InfoArguments& arguments) {
 
 /// Draws the surface of a field; where it has no distances, the middle slice.
 Picture draw(const Field& field, FieldArray array, const InfoArguments& arguments) {
+  if (field.narrow) return draw(toDense(field, arguments.machine), array, arguments);
   constexpr int kAcrossZ = 2;
   if (array != FieldArray::Distance) return renderSlice(field, kAcrossZ, -1, arguments.view.width, array);
   ProgressLine line;
@@ -137,12 +138,7 @@ Picture draw(const Field& field, FieldArray array, const InfoArguments& argument
   return renderField(field, arguments.view, machine);
 }
 
-Picture draw(const SparseField& band, FieldArray array, const InfoArguments& arguments) {
-  return draw(toDense(band, arguments.machine), array, arguments);
-}
-
-template <class AnyField>
-void inspectField(const AnyField& field, const InfoArguments& arguments) {
+void inspectField(const Field& field, const InfoArguments& arguments) {
   const FieldInfo info = inspect(field);
   if (!arguments.picture.empty()) writePng(arguments.picture, draw(field, info.array, arguments));
   const std::optional<LengthUnit> unit = unitOf(arguments);
@@ -158,10 +154,9 @@ void run(InfoArguments& arguments) {
   prepareFiles(arguments.format, {{arguments.input, meshAndFieldExtensions()}}, outputs);
   setView(arguments.camera, isZUp(arguments.input, arguments.format.input), arguments.view);
   const auto read =
-      loadMeshFieldOrBand(arguments.input, arguments.format.input, arguments.format.grid, arguments.units);
+      loadMeshOrField(arguments.input, arguments.format.input, arguments.format.grid, arguments.units);
   if (const Mesh* mesh = std::get_if<Mesh>(&read)) return inspectMesh(*mesh, arguments);
-  if (const Field* field = std::get_if<Field>(&read)) return inspectField(*field, arguments);
-  inspectField(std::get<SparseField>(read), arguments);
+  inspectField(std::get<Field>(read), arguments);
 }
 
 }  // namespace

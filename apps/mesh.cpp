@@ -39,8 +39,7 @@ struct MeshArguments : FieldArguments {
 };
 
 /// Makes the surface, and drops triangles within the tolerance.
-template <class AnyField>
-Simplified makeSurface(const AnyField& field, const MeshArguments& arguments) {
+Simplified makeSurface(const Field& field, const MeshArguments& arguments) {
   ProgressLine line;
   const MachineOptions machine = withProgress(arguments.machine, line);
   Mesh mesh = isosurface(field, arguments.surface, machine);
@@ -74,11 +73,10 @@ void run(MeshArguments& arguments) {
   prepareFiles(arguments.format, {{arguments.input, meshAndFieldExtensions()}}, outputs);
   const std::filesystem::path output = named(arguments.mesh, arguments.format.output);
   checkMeshUnits(arguments.units, output);
-  const auto field =
-      loadFieldOrBand(arguments.input, arguments, arguments.format.input, arguments.format.grid, output);
-  if (const Field* dense = std::get_if<Field>(&field)) requireDistances(arguments.input, *dense);
-  Simplified surface = std::visit([&](const auto& each) { return makeSurface(each, arguments); }, field);
-  const Grid grid = std::visit([](const auto& each) { return each.grid; }, field);
+  const Field field =
+      loadOrMakeField(arguments.input, arguments, arguments.format.input, arguments.format.grid, output);
+  requireDistances(arguments.input, field);
+  Simplified surface = makeSurface(field, arguments);
   const StoredMesh stored =
       storeMesh(arguments.mesh, std::move(surface.mesh),
                 {.recenter = arguments.units.recenter,
@@ -87,7 +85,7 @@ void run(MeshArguments& arguments) {
   checkStored(stored);
   const Mesh& mesh = stored.exact;
   writeMesh(stored.path, mesh, stored.options);
-  if (!arguments.stats.empty()) writeJson(arguments.stats, describe(arguments, grid, surface, stored));
+  if (!arguments.stats.empty()) writeJson(arguments.stats, describe(arguments, field.grid, surface, stored));
   std::printf("%s, %s, at most %.3g off the isosurface\n", counted(mesh.triangles.size(), "triangle").c_str(),
               mesh.vertices.size() == 1 ? "1 vertex" : (grouped(mesh.vertices.size()) + " vertices").c_str(),
               surface.deviation);

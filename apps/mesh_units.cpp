@@ -230,52 +230,47 @@ void convertUnits(DoubleMesh& mesh, const MeshUnits& units, const std::filesyste
 
 namespace {
 
-/// Converts what dense fields and narrow bands have in common. Returns the factor of lengths.
-template <class AnyField>
-double convertPlace(AnyField& field, const MeshUnits& units, const std::filesystem::path& from) {
+/// Returns what each distance of a narrow band is clamped to: 1 outside, 2 inside, 0 nothing.
+std::vector<uint8_t> clampedSides(const Field& band) {
+  const auto outside = float(band.narrow->outside), inside = -float(band.narrow->inside);
+  std::vector<uint8_t> sides(band.distance.size());
+  for (size_t i = 0; i < sides.size(); ++i)
+    sides[i] = band.distance[i] == outside ? 1 : band.distance[i] == inside ? 2 : 0;
+  return sides;
+}
+
+/// Scales the widths of a narrow band. Distances that are clamped become equal to the new ones, whatever
+/// rounding did to them.
+void scaleWidths(Field& band, const std::vector<uint8_t>& sides, double factor) {
+  band.narrow->outside *= factor;
+  band.narrow->inside *= factor;
+  const auto outside = float(band.narrow->outside), inside = -float(band.narrow->inside);
+  for (size_t i = 0; i < sides.size(); ++i)
+    if (sides[i] != 0) band.distance[i] = sides[i] == 1 ? outside : inside;
+}
+
+}  // namespace
+
+void convertUnits(Field& field, const MeshUnits& units, const std::filesystem::path& from) {
   if (!units.up.empty() || !units.rotate.empty() || units.recenter)
     throw Error(ErrorCode::Usage, "--up, --rotate and --recenter are for meshes, and " + from.string() +
                                       " is a field; leave them out, or turn the mesh before");
   const double factor = factorFor(units, from);
   const glm::dvec3 move = units.translate.empty() ? glm::dvec3(0.0) : vectorOf(units.translate);
+  const std::vector<uint8_t> sides = field.narrow ? clampedSides(field) : std::vector<uint8_t>();
   for (float& distance : field.distance)
     if (std::abs(distance) < FLT_MAX) distance = float(distance * factor);  // Else it is far in any unit.
   field.grid.spacing *= factor;
   field.grid.origin = factor * field.grid.origin + move;
   if (field.surfaceBounds.min.x <= field.surfaceBounds.max.x)
     field.surfaceBounds = {factor * field.surfaceBounds.min + move, factor * field.surfaceBounds.max + move};
-  return factor;
-}
-
-}  // namespace
-
-void convertUnits(Field& field, const MeshUnits& units, const std::filesystem::path& from) {
-  field.clampDistance *= convertPlace(field, units, from);
-}
-
-void convertUnits(SparseField& band, const MeshUnits& units, const std::filesystem::path& from) {
-  // Distances that are clamped must equal the new widths, whatever rounding does to them.
-  std::vector<uint8_t> sides(band.distance.size());
-  for (size_t i = 0; i < sides.size(); ++i)
-    sides[i] = band.distance[i] == float(band.outside) ? 1 : band.distance[i] == -float(band.inside) ? 2 : 0;
-  const double factor = convertPlace(band, units, from);
-  band.outside *= factor;
-  band.inside *= factor;
-  for (size_t i = 0; i < sides.size(); ++i)
-    if (sides[i] != 0) band.distance[i] = sides[i] == 1 ? float(band.outside) : -float(band.inside);
+  field.clampDistance *= factor;
+  if (field.narrow) scaleWidths(field, sides, factor);
 }
 
 std::variant<Mesh, Field> loadMeshOrField(const std::filesystem::path& path, const std::string& format,
                                           const std::string& grid, const MeshUnits& units) {
   std::variant<Mesh, Field> read = loadMeshOrField(path, format, grid);
-  std::visit([&](auto& each) { convertUnits(each, units, named(path, format)); }, read);
-  return read;
-}
-
-std::variant<Mesh, Field, SparseField> loadMeshFieldOrBand(const std::filesystem::path& path,
-                                                           const std::string& format, const std::string& grid,
-                                                           const MeshUnits& units) {
-  auto read = loadMeshFieldOrBand(path, format, grid);
   std::visit([&](auto& each) { convertUnits(each, units, named(path, format)); }, read);
   return read;
 }

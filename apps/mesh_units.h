@@ -80,14 +80,10 @@ void convertUnits(DoubleMesh& mesh, const MeshUnits& units, const std::filesyste
                   const std::filesystem::path& result);
 /// Scales and moves a field. Throws `Error(Usage)` if the options would turn it, or as above.
 void convertUnits(Field& field, const MeshUnits& units, const std::filesystem::path& from);
-void convertUnits(SparseField& band, const MeshUnits& units, const std::filesystem::path& from);
 
 // Read a file as the functions of terminal.h do, and convert it.
 std::variant<Mesh, Field> loadMeshOrField(const std::filesystem::path& path, const std::string& format,
                                           const std::string& grid, const MeshUnits& units);
-std::variant<Mesh, Field, SparseField> loadMeshFieldOrBand(const std::filesystem::path& path,
-                                                           const std::string& format, const std::string& grid,
-                                                           const MeshUnits& units);
 Mesh loadMesh(const std::filesystem::path& path, const std::string& format, const MeshUnits& units,
               bool allowEmpty = false);
 

@@ -275,10 +275,8 @@ struct Clamps {
 };
 
 Clamps clampsOf(const Field& field) {
+  if (const auto& band = field.narrow) return {band->outside, band->inside};
   return {field.clampDistance, field.clampDistance};
-}
-Clamps clampsOf(const SparseField& band) {
-  return {band.outside, band.inside};
 }
 
 /// Returns whether a distance is one to which the field is clamped, but for rounding.
@@ -317,8 +315,7 @@ void warnOfBounds(const QueryArguments& arguments, const QueryReport& report) {
       "wider band, or the mesh itself, has the true ones");
 }
 
-template <class AnyField>
-void queryField(const AnyField& field, const QueryArguments& arguments, std::span<const glm::dvec3> points,
+void queryField(const Field& field, const QueryArguments& arguments, std::span<const glm::dvec3> points,
                 QueryReport& report) {
   checkOfField(arguments);
   checkResults(sizeof(float) + sizeof(glm::vec3), points.size());
@@ -342,21 +339,19 @@ void run(QueryArguments& arguments) {
   const QueryOptions asked = askedFor(arguments);
   check(arguments, asked);
   QueryReport report;
-  std::variant<Mesh, Field, SparseField> input;
+  std::variant<Mesh, Field> input;
   std::vector<glm::dvec3> points;
   timeStep(report.before, "load", [&] {
-    input =
-        loadMeshFieldOrBand(arguments.input, arguments.format.input, arguments.format.grid, arguments.units);
+    input = loadMeshOrField(arguments.input, arguments.format.input, arguments.format.grid, arguments.units);
   });
   timeStep(report.before, "load points",
            [&] { points = loadPoints(arguments.points, arguments.format.input); });
   if (const Mesh* mesh = std::get_if<Mesh>(&input)) {
     queryMesh(*mesh, arguments, asked, points, report);
-  } else if (const Field* field = std::get_if<Field>(&input)) {
-    requireDistances(arguments.input, *field);
-    queryField(*field, arguments, points, report);
   } else {
-    queryField(std::get<SparseField>(input), arguments, points, report);
+    const Field& field = std::get<Field>(input);
+    requireDistances(arguments.input, field);
+    queryField(field, arguments, points, report);
   }
   print(arguments, report, millisecondsSince(start));
 }

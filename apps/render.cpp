@@ -60,28 +60,24 @@ void finishOptions(RenderArguments& arguments) {
 }
 
 /// Warns of walls thicker than the shape.
-template <class AnyField>
-void warnOfShell(const AnyField& field, const RenderArguments& arguments) {
+void warnOfShell(const Field& field, const RenderArguments& arguments) {
   const Grid& grid = field.grid;
   const Box all{grid.origin, grid.position(glm::dvec3(grid.dims - 1))};
   warnOfLength("--shell", arguments.view.shell, field.surfaceBounds.isEmpty() ? all : field.surfaceBounds);
 }
 
-/// Draws a field or a narrow band, in colours that tell the difference from another one, if there is one.
-template <class AnyField>
-Picture draw(const AnyField& field, FieldArray array, const RenderArguments& arguments,
-             const std::string& title = "", const Field* other = nullptr,
-             const SparseField* otherBand = nullptr) {
+/// Draws a field, in colours that tell the difference from another one, if there is one.
+Picture draw(const Field& field, FieldArray array, const RenderArguments& arguments,
+             const std::string& title = "", const Field* other = nullptr) {
   if (!arguments.slice.empty())
     return renderSlice(field, arguments.slice[0] - 'x', arguments.index, arguments.camera.size[0], array);
-  const bool hasSurface = std::is_same_v<AnyField, SparseField> || !field.distance.empty();
+  const bool hasSurface = field.narrow || !field.distance.empty();
   if (!hasSurface || array == FieldArray::Triangle)
     throw Error(ErrorCode::Usage, arguments.input.string() + ": the array '" + std::string(name(array)) +
                                       "' has no surface to draw; draw a slice of it with --slice x, y or z");
   RenderOptions view = arguments.view;
   view.array = array;
   view.other = other;
-  view.otherBand = otherBand;
   MachineOptions machine = arguments.machine;
   testBeforeFirstUse(machine.device);
   ProgressLine line;
@@ -157,43 +153,50 @@ void renderFrames(RenderArguments& arguments) {
   writer.finish();
 }
 
-using MeshFieldOrBand = std::variant<Mesh, Field, SparseField>;
+using MeshOrField = std::variant<Mesh, Field>;
 
-/// Returns the grid on which two shapes are shown: that of a field or a band, the first one's rather, or one
-/// over both meshes.
-Grid gridOfBoth(const MeshFieldOrBand& first, const MeshFieldOrBand& second, const GridOptions& options) {
-  for (const MeshFieldOrBand* each : {&first, &second}) {
+/// Returns the grid on which two shapes are shown: that of a field, the first one's rather, or one over both
+/// meshes.
+Grid gridOfBoth(const MeshOrField& first, const MeshOrField& second, const GridOptions& options) {
+  for (const MeshOrField* each : {&first, &second})
     if (const Field* field = std::get_if<Field>(each)) return field->grid;
-    if (const SparseField* band = std::get_if<SparseField>(each)) return band->grid;
-  }
   const Box box = gridBounds(std::get<Mesh>(first)), more = gridBounds(std::get<Mesh>(second));
   return fitGrid(Box{glm::min(box.min, more.min), glm::max(box.max, more.max)}, options);
 }
 
-MeshFieldOrBand load(const fs::path& path, const RenderArguments& arguments) {
-  return loadMeshFieldOrBand(path, arguments.format.input, arguments.format.grid, arguments.units);
+MeshOrField load(const fs::path& path, const RenderArguments& arguments) {
+  return loadMeshOrField(path, arguments.format.input, arguments.format.grid, arguments.units);
 }
 
-/// Returns a field as it is, that of a mesh on a grid, or the dense one of a band.
-Field fieldOf(MeshFieldOrBand& shape, const Grid& grid, const RenderArguments& arguments) {
+/// Returns a field as it is, or that of a mesh on a grid.
+Field fieldOf(MeshOrField& shape, const Grid& grid, const RenderArguments& arguments) {
   if (const Mesh* mesh = std::get_if<Mesh>(&shape)) return makeField(*mesh, grid, arguments);
-  if (const SparseField* band = std::get_if<SparseField>(&shape)) return toDense(*band, arguments.machine);
   return std::move(std::get<Field>(shape));
 }
 
+/// Does the same, and makes a narrow band dense.
+Field denseOf(MeshOrField& shape, const Grid& grid, const RenderArguments& arguments) {
+  Field field = fieldOf(shape, grid, arguments);
+  return field.narrow ? toDense(field, arguments.machine) : std::move(field);
+}
+
+bool isBand(const MeshOrField& shape) {
+  const Field* field = std::get_if<Field>(&shape);
+  return field && field->narrow;
+}
+
 /// Draws a narrow band in the colours of its difference from another field, or in those of --as.
-Picture drawBand(const SparseField& band, const MeshFieldOrBand& second, const RenderArguments& arguments) {
+Picture drawBand(Field& band, const MeshOrField& second, const RenderArguments& arguments) {
   const FieldArray array = chooseArray(arguments.input, arguments.as, band);
-  if (!arguments.as.empty()) return draw(band, array, arguments);
-  return draw(band, array, arguments, "", std::get_if<Field>(&second), std::get_if<SparseField>(&second));
+  return draw(band, array, arguments, "", arguments.as.empty() ? std::get_if<Field>(&second) : nullptr);
 }
 
 /// Draws a shape in the colours of its difference from another one, or in those of --as.
-Picture drawDense(MeshFieldOrBand& first, MeshFieldOrBand& second, const RenderArguments& arguments) {
+Picture drawDense(MeshOrField& first, MeshOrField& second, const RenderArguments& arguments) {
   const Grid grid = gridOfBoth(first, second, arguments.grid);
-  Field field = fieldOf(first, grid, arguments);
+  Field field = denseOf(first, grid, arguments);
   if (!arguments.as.empty()) return draw(field, chooseArray(arguments.input, arguments.as, field), arguments);
-  const Field other = fieldOf(second, grid, arguments);
+  const Field other = denseOf(second, grid, arguments);
   return draw(field, FieldArray::Distance, arguments, "", &other);
 }
 
@@ -203,28 +206,18 @@ void renderOneOfTwo(RenderArguments& arguments) {
     throw Error(ErrorCode::Usage,
                 "a map of a slice shows one shape; show two on a plane with --slice-plane, or compare their "
                 "fields by 'raymap compare'");
-  MeshFieldOrBand first = load(arguments.input, arguments), second = load(arguments.other, arguments);
-  const SparseField* band = std::get_if<SparseField>(&first);
+  MeshOrField first = load(arguments.input, arguments), second = load(arguments.other, arguments);
   const bool isMeshNeeded = std::holds_alternative<Mesh>(second) && arguments.as.empty();
-  writePng(arguments.picture,
-           band && !isMeshNeeded ? drawBand(*band, second, arguments) : drawDense(first, second, arguments));
+  writePng(arguments.picture, isBand(first) && !isMeshNeeded
+                                  ? drawBand(std::get<Field>(first), second, arguments)
+                                  : drawDense(first, second, arguments));
   printWritten(arguments.picture);
 }
 
-using FieldOrBand = std::variant<Field, SparseField>;
-
-/// Returns a field or a band as it is, or the field of a mesh on a grid.
-FieldOrBand fieldOrBandOf(MeshFieldOrBand& shape, const Grid& grid, const RenderArguments& arguments) {
-  if (SparseField* band = std::get_if<SparseField>(&shape)) return std::move(*band);
-  return fieldOf(shape, grid, arguments);
-}
-
 /// Returns the array of a page's first shape in whose colours it begins.
-FieldArray arrayOf(FieldOrBand& shape, const RenderArguments& arguments) {
-  const FieldArray array =
-      std::visit([&](auto& each) { return chooseArray(arguments.input, arguments.as, each); }, shape);
-  const Field* field = std::get_if<Field>(&shape);
-  if (field && field->distance.empty())
+FieldArray arrayOf(Field& field, const RenderArguments& arguments) {
+  const FieldArray array = chooseArray(arguments.input, arguments.as, field);
+  if (!field.narrow && field.distance.empty())
     throw Error(ErrorCode::Usage, arguments.input.string() +
                                       ": it has no distances, and a page shows a surface; " +
                                       "draw a slice of it as a .png, with --slice x, y or z");
@@ -232,20 +225,14 @@ FieldArray arrayOf(FieldOrBand& shape, const RenderArguments& arguments) {
 }
 
 /// Says what a page does not show of its shapes as they are.
-void printShown(const Page& page, const FieldOrBand& first, const FieldOrBand* second,
-                const PageOptions& options) {
-  const auto gridOf = [](const FieldOrBand& shape) {
-    return std::visit([](const auto& each) { return each.grid; }, shape);
-  };
-  const Grid grid = gridOf(first);
-  const glm::ivec3 shown = page.grid.dims, all = grid.dims;
+void printShown(const Page& page, const Field& first, const Field* second, const PageOptions& options) {
+  const glm::ivec3 shown = page.grid.dims, all = first.grid.dims;
   if (shown != all)
     std::printf("it shows %d x %d x %d samples of %d x %d x %d; more with --max-size\n", shown.x, shown.y,
                 shown.z, all.x, all.y, all.z);
-  const SparseField* band = std::get_if<SparseField>(&first);
-  if (band && heldArrays(*band).size() > 1)
+  if (first.narrow && heldArrays(first).size() > 1)
     std::printf("it shows the distances of the narrow band; a picture can show its other arrays\n");
-  if (second && gridOf(*second) != grid && gridOf(*second) != page.grid)
+  if (second && second->grid != first.grid && second->grid != page.grid)
     std::printf("it shows %s on the grid of %s\n", options.otherTitle.c_str(), options.title.c_str());
 }
 
@@ -253,8 +240,8 @@ void printShown(const Page& page, const FieldOrBand& first, const FieldOrBand* s
 void renderPage(RenderArguments& arguments) {
   if (!arguments.slice.empty())
     throw Error(ErrorCode::Usage, "a page moves its own slice; leave out --slice");
-  MeshFieldOrBand first = load(arguments.input, arguments);
-  std::optional<MeshFieldOrBand> second;
+  MeshOrField first = load(arguments.input, arguments);
+  std::optional<MeshOrField> second;
   if (!arguments.other.empty()) second = load(arguments.other, arguments);
   arguments.options.winding = arguments.options.confidence = !second && arguments.options.thickness == 0.0;
   if (const Mesh* mesh = std::get_if<Mesh>(&first)) {
@@ -262,40 +249,31 @@ void renderPage(RenderArguments& arguments) {
     arguments.page.mesh = *mesh;
   }
   Grid grid = gridOfBoth(first, second ? *second : first, arguments.grid);
-  const auto isBand = [](const MeshFieldOrBand& shape) { return std::holds_alternative<SparseField>(shape); };
   if (isBand(first) || (second && isBand(*second))) grid = pageGrid(grid, arguments.page.maxSize);
-  FieldOrBand field = fieldOrBandOf(first, grid, arguments);
-  std::visit([&](const auto& each) { warnOfShell(each, arguments); }, field);
+  Field field = fieldOf(first, grid, arguments);
+  warnOfShell(field, arguments);
   arguments.page.array = arrayOf(field, arguments);
-  std::optional<FieldOrBand> other;
-  if (second) other = fieldOrBandOf(*second, grid, arguments);
-  FieldOrBand* beside = other ? &*other : nullptr;
-  arguments.page.other = std::get_if<Field>(beside);
-  arguments.page.otherBand = std::get_if<SparseField>(beside);
+  std::optional<Field> other;
+  if (second) other = fieldOf(*second, grid, arguments);
+  arguments.page.other = other ? &*other : nullptr;
   arguments.page.title = briefName(arguments.input);
   arguments.page.otherTitle = briefName(arguments.other);
   testBeforeFirstUse(arguments.machine.device);
   ProgressLine line;
   const MachineOptions machine = withProgress(arguments.machine, line);
-  const Page page = std::visit(
-      [&](const auto& each) {
-        return writePage(arguments.picture, each, arguments.view, arguments.page, machine);
-      },
-      field);
+  const Page page = writePage(arguments.picture, field, arguments.view, arguments.page, machine);
   line.clear();
   printWritten(arguments.picture);
-  printShown(page, field, beside, arguments.page);
+  printShown(page, field, arguments.page.other, arguments.page);
 }
 
 void renderOne(RenderArguments& arguments) {
   if (isPage(arguments)) return renderPage(arguments);
   if (!arguments.other.empty()) return renderOneOfTwo(arguments);
-  auto shape = loadFieldOrBand(arguments.input, arguments, arguments.format.input, arguments.format.grid, {});
-  const auto drawAny = [&](auto& field) {
-    warnOfShell(field, arguments);
-    return draw(field, chooseArray(arguments.input, arguments.as, field), arguments);
-  };
-  writePng(arguments.picture, std::visit(drawAny, shape));
+  Field field =
+      loadOrMakeField(arguments.input, arguments, arguments.format.input, arguments.format.grid, {});
+  warnOfShell(field, arguments);
+  writePng(arguments.picture, draw(field, chooseArray(arguments.input, arguments.as, field), arguments));
   printWritten(arguments.picture);
 }
 

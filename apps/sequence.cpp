@@ -184,10 +184,10 @@ std::variant<Mesh, Field> Sequence::read(size_t i) {
   if (animated_)
     result = pose(i);
   else
-    result = readMeshOrField(input(i), {.format = format_,
-                                        .warn = i < seen_ ? WarningCallback() : warn,
-                                        .allowEmpty = allowEmpty_,
-                                        .gridName = grid_});
+    result = raymap::read(input(i), {.format = format_,
+                                     .warn = i < seen_ ? WarningCallback() : warn,
+                                     .allowEmpty = allowEmpty_,
+                                     .gridName = grid_});
   seen_ = std::max(seen_, i + 1);
   std::visit([&](auto& shape) { convertUnits(shape, units_, path); }, result);
   // `convertUnits` says which unit it supposes. Named from then on, it is not said of each frame.

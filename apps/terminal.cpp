@@ -147,6 +147,13 @@ void appendEscaped(std::string& text, char byte) {
                                     asArgument(path) + " -o " + quoted(result.string()));
 }
 
+std::variant<Mesh, Field> load(const std::filesystem::path& path, ReadOptions options) {
+  const WaitingLine line("reading " + briefName(path));
+  options.warn = warn;
+  options.levelSet = LevelSet::NarrowIfLarge;
+  return read(path, options);
+}
+
 }  // namespace
 
 std::string printable(std::string_view text) {
@@ -390,35 +397,20 @@ void endIfReaderEnded(const Error& error) {
 }
 
 std::variant<Mesh, Field> loadMeshOrField(const std::filesystem::path& path, const std::string& format,
-                                          const std::string& grid, bool allowEmpty) {
-  const WaitingLine line("reading " + briefName(path));
-  return readMeshOrField(path, {.format = format, .warn = warn, .allowEmpty = allowEmpty, .gridName = grid});
-}
-
-std::variant<Mesh, Field, SparseField> loadMeshFieldOrBand(const std::filesystem::path& path,
-                                                           const std::string& format, const std::string& grid,
-                                                           std::vector<glm::dvec3>* exact) {
-  const WaitingLine line("reading " + briefName(path));
-  return readMeshFieldOrBand(path, {.format = format, .warn = warn, .gridName = grid, .exact = exact});
+                                          const std::string& grid, std::vector<glm::dvec3>* exact) {
+  return load(path, {.format = format, .gridName = grid, .exact = exact});
 }
 
 Mesh loadMesh(const std::filesystem::path& path, const std::string& format, bool allowEmpty) {
-  std::variant<Mesh, Field> read = loadMeshOrField(path, format, "", allowEmpty);
+  std::variant<Mesh, Field> read = load(path, {.format = format, .allowEmpty = allowEmpty});
   if (Mesh* mesh = std::get_if<Mesh>(&read)) return std::move(*mesh);
   failKind(path, "a field, and a mesh", "mesh", ".ply");
 }
 
-std::variant<Field, SparseField> loadAnyField(const std::filesystem::path& path, const std::string& format,
-                                              const std::string& grid) {
-  auto read = loadMeshFieldOrBand(path, format, grid);
+Field loadField(const std::filesystem::path& path, const std::string& format, const std::string& grid) {
+  std::variant<Mesh, Field> read = load(path, {.format = format, .gridName = grid});
   if (Field* field = std::get_if<Field>(&read)) return std::move(*field);
-  if (SparseField* band = std::get_if<SparseField>(&read)) return std::move(*band);
   failKind(path, "a mesh, and a field", "generate", ".npz");
-}
-
-SparseField loadBand(const std::filesystem::path& path, const std::string& format, const std::string& grid) {
-  const WaitingLine line("reading " + briefName(path));
-  return readBand(path, {.format = format, .warn = warn, .gridName = grid});
 }
 
 }  // namespace raymap

@@ -4,7 +4,6 @@
 #include <raymap/error.h>
 #include <raymap/field.h>
 #include <raymap/mesh.h>
-#include <raymap/sparse_field.h>
 
 #include <chrono>
 #include <condition_variable>
@@ -173,21 +172,14 @@ void finishText();
 void endIfReaderEnded(const Error& error);
 
 /// Reads a mesh or a field. Prints warnings and, after a second, how long it takes. `format` counts if the
-/// name does not tell, and `grid` names that of a field to read. A mesh without triangles is an error, unless
-/// `allowEmpty`.
+/// name does not tell, and `grid` names that of a field to read. A large level set is read as a narrow band.
+/// `exact` receives the positions of a mesh that are rounded in it; see `ReadOptions`.
 std::variant<Mesh, Field> loadMeshOrField(const std::filesystem::path& path, const std::string& format = "",
-                                          const std::string& grid = "", bool allowEmpty = false);
-/// Does the same, but reads a large level set as a narrow band; see `readMeshFieldOrBand`. `exact` receives
-/// the positions of a mesh that are rounded in it; see `ReadOptions`.
-std::variant<Mesh, Field, SparseField> loadMeshFieldOrBand(const std::filesystem::path& path,
-                                                           const std::string& format = "",
-                                                           const std::string& grid = "",
-                                                           std::vector<glm::dvec3>* exact = nullptr);
-// Read one of both. Throw `Error(Usage)` that names the command which converts the other one.
+                                          const std::string& grid = "",
+                                          std::vector<glm::dvec3>* exact = nullptr);
+// Read one of both. Throw `Error(Usage)` that names the command which converts the other one. A mesh without
+// triangles is an error, unless `allowEmpty`.
 Mesh loadMesh(const std::filesystem::path& path, const std::string& format = "", bool allowEmpty = false);
-std::variant<Field, SparseField> loadAnyField(const std::filesystem::path& path, const std::string& format,
-                                              const std::string& grid);
-/// Reads a level set of any size as a narrow band; see `readBand`.
-SparseField loadBand(const std::filesystem::path& path, const std::string& format, const std::string& grid);
+Field loadField(const std::filesystem::path& path, const std::string& format, const std::string& grid);
 
 }  // namespace raymap

@@ -57,7 +57,7 @@ view::Content load(const fs::path& path, const std::string& clip, const std::str
     }
   }
   if (content.bounds.isEmpty()) {  // Nothing in it moves.
-    std::variant<Mesh, Field, SparseField> read = loadMeshFieldOrBand(path, "", grid);
+    std::variant<Mesh, Field> read = loadMeshOrField(path, "", grid);
     content = std::visit([](auto& each) { return view::contentOf(std::move(each)); }, read);
   }
   content.title = displayName(path.filename());

@@ -132,7 +132,7 @@ def points(folder, count=100_000, only=("",)):
 
 def active_samples(band, leaves):
     """Returns the numbers of the active samples of some leaves, (n, 3), and their distances."""
-    values = band.values[leaves]
+    values = band.distance[leaves]
     leaf, *place = np.nonzero((values < np.float32(band.outside)) & (values > np.float32(-band.inside)))
     return band.origins[leaves[leaf]] + np.stack(place, axis=1), values[(leaf, *place)]
 

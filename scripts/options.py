@@ -34,7 +34,7 @@ _generate.py generate GridOptions FieldOptions MachineOptions: resolution bounds
 _repair.py repair GridOptions RepairOptions MachineOptions: resolution shape bounds padding thickness align measure
 _repair.py simplify SimplifyOptions MachineOptions: tolerance device memory_limit
 _surface.py Surface SurfaceOptions MachineOptions: sign threshold device
-_grid_field.py GridField.render RenderOptions MachineOptions: cut_plane slice_plane frame array range memory_limit
+_field.py Field.render RenderOptions MachineOptions: cut_plane slice_plane frame array range memory_limit
 """
 TYPES = {"generate": "SurfaceFieldOptions"}  # The arguments that other functions hand on.
 ZEROS = ("offset", "shell", "drain_hole", "iso")  # Lengths whose default is 0 in Python, too.

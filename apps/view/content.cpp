@@ -28,8 +28,7 @@ Box boundsAt(const AnimatedMesh& mesh, double seconds) {
 }
 
 /// Returns the bounds of a field's surface, or of its grid if they are not known.
-template <class AnyField>
-Box boundsOf(const AnyField& field) {
+Box boundsOf(const Field& field) {
   if (!field.surfaceBounds.isEmpty()) return field.surfaceBounds;
   return {field.grid.origin, field.grid.position(glm::dvec3(field.grid.dims - 1))};
 }
@@ -49,13 +48,6 @@ Content contentOf(Field field) {
   Content content;
   content.bounds = boundsOf(field);
   content.field = std::move(field);
-  return content;
-}
-
-Content contentOf(SparseField band) {
-  Content content;
-  content.bounds = boundsOf(band);
-  content.band = std::move(band);
   return content;
 }
 

@@ -2,7 +2,6 @@
 
 #include <raymap/animation.h>
 #include <raymap/field.h>
-#include <raymap/sparse_field.h>
 #include <raymap/surface.h>
 
 #include <filesystem>
@@ -12,7 +11,7 @@
 
 namespace raymap::view {
 
-/// A mesh, an animated mesh, a field or a narrow band to show.
+/// A mesh, an animated mesh or a field to show.
 struct Content {
   std::string title = {};
   Mesh mesh = {};                      ///< At rest, if it is animated; empty for a field.
@@ -20,19 +19,17 @@ struct Content {
   std::optional<AnimatedMesh> animated = {};
   std::vector<std::string> clips = {};  ///< Names of the file's animations.
   std::optional<Field> field = {};
-  std::optional<SparseField> band = {};
   Box bounds = {};                ///< Bounds of the surface, in all poses, and of another one beside it.
   std::optional<Grid> grid = {};  ///< Grid of the mesh's field, if it is not fitted to the bounds.
 
   /// Returns whether there is no mesh.
-  bool isField() const { return field || band; }
+  bool isField() const { return field.has_value(); }
   double seconds() const { return animated ? animated->seconds() : 0.0; }
 };
 
-/// Returns a mesh, a field or a narrow band to show. Throws `Error(Input)` if a mesh has no face.
+/// Returns a mesh or a field to show. Throws `Error(Input)` if a mesh has no face.
 Content contentOf(Mesh mesh);
 Content contentOf(Field field);
-Content contentOf(SparseField band);
 Content contentOf(AnimatedMesh mesh);
 
 }  // namespace raymap::view

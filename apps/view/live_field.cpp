@@ -49,8 +49,10 @@ vulkan::FieldBuffer LiveField::buffer() const {
                              .rotation = motion_.rotation,
                              .translation = motion_.translation};
   if (array_ != FieldArray::Distance) buffer.values = values_.range();
-  if (const std::optional<SparseField>& band = content_.band)
-    buffer.band = {.leafIndex = leafIndex_.range(), .inside = band->inside, .outside = band->outside};
+  if (content_.field && content_.field->narrow)
+    buffer.band = {.leafIndex = leafIndex_.range(),
+                   .inside = content_.field->narrow->inside,
+                   .outside = content_.field->narrow->outside};
   return buffer;
 }
 
@@ -88,8 +90,7 @@ void LiveField::makeRoom(Frame& frame, size_t samples, Buffer& buffer) {
   buffer = gpu_.makeBuffer(samples * sizeof(float));
 }
 
-template <class AnyField>
-void LiveField::upload(Frame& frame, const AnyField& field, FieldArray array) {
+void LiveField::upload(Frame& frame, const Field& field, FieldArray array) {
   const auto take = [&](const raymap::Buffer<float>& numbers, Buffer& to) {
     makeRoom(frame, numbers.size(), to);
     frame.upload(std::as_bytes(std::span(numbers.data(), numbers.size())), to);
@@ -99,28 +100,19 @@ void LiveField::upload(Frame& frame, const AnyField& field, FieldArray array) {
   array_ = numbers.empty() ? FieldArray::Distance : array;
   if (array_ != FieldArray::Distance) take(numbers, values_);
   grid_ = field.grid;
+  clampDistance_ = field.clamp();
   hasField_ = true;
-}
-
-void LiveField::uploadBand(Frame& frame, const SparseField& band, FieldArray array) {
-  if (leafIndex_.bytes == 0) {
-    const std::vector<uint32_t> index = vulkan::packLeafIndex(band);
-    leafIndex_ = gpu_.makeBuffer(index.size() * sizeof(uint32_t));
-    frame.upload(std::as_bytes(std::span(index)), leafIndex_);
-  }
-  upload(frame, band, array);
-  clampDistance_ = std::min(band.inside, band.outside);
 }
 
 bool LiveField::recordGiven(Frame& frame, FieldArray array) {
   if (hasField_ && given_ == array) return false;
   given_ = array;
-  if (content_.band) {
-    uploadBand(frame, *content_.band, array);
-  } else {
-    upload(frame, *content_.field, array);
-    clampDistance_ = content_.field->clampDistance;
+  if (content_.field->narrow && leafIndex_.bytes == 0) {
+    const std::vector<uint32_t> index = vulkan::packLeafIndex(*content_.field);
+    leafIndex_ = gpu_.makeBuffer(index.size() * sizeof(uint32_t));
+    frame.upload(std::as_bytes(std::span(index)), leafIndex_);
   }
+  upload(frame, *content_.field, array);
   return true;
 }
 
@@ -166,7 +158,6 @@ void LiveField::take(Frame& frame, MadeField made) {
   wish_ = made.wish;
   if (!made.error.empty()) return;
   upload(frame, made.field, arrayOf(made.wish.options));
-  clampDistance_ = made.field.clampDistance;
   milliseconds_ = made.stats.milliseconds;
   // Time grows with the square of the resolution, near enough.
   const int resolution = std::max({grid_.dims.x, grid_.dims.y, grid_.dims.z});

@@ -59,9 +59,7 @@ class LiveField {
   bool recordFromWorker(Frame& frame, const FieldSettings& settings, const FieldWish& fine, bool isMoving);
   std::optional<RigidMotion> motionTo(const FieldWish& wish, const FieldWish& made) const;
   void take(Frame& frame, MadeField made);
-  template <class AnyField>
-  void upload(Frame& frame, const AnyField& field, FieldArray array);
-  void uploadBand(Frame& frame, const SparseField& band, FieldArray array);
+  void upload(Frame& frame, const Field& field, FieldArray array);
   void makeRoom(Frame& frame, size_t samples, Buffer& buffer);
 
   const Gpu& gpu_;

@@ -24,8 +24,7 @@ Probe::Probe(const Content& content, const MachineOptions& machine) : content_(c
 Probed Probe::at(const glm::dvec3& point) {
   Probed probed{.position = point};
   if (content_.isField()) {
-    const double distance = content_.band ? distanceAt(*content_.band, point, Outside::NaN)
-                                          : distanceAt(*content_.field, point, Outside::NaN);
+    const double distance = distanceAt(*content_.field, point, Outside::NaN);
     if (distance == distance) probed.distance = distance;
     return probed;
   }

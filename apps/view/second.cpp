@@ -1,7 +1,7 @@
 #include "second.h"
 
+#include <raymap/narrow_band.h>
 #include <raymap/sample.h>
-#include <raymap/sparse_field.h>
 
 #include <algorithm>
 
@@ -28,9 +28,7 @@ Field sampledOn(const Grid& grid, const Field& field) {
 
 /// A device draws no difference from a narrow band.
 void makeDense(Content& content) {
-  if (!content.band) return;
-  content.field = toDense(*content.band);
-  content.band.reset();
+  if (content.field && content.field->narrow) content.field = toDense(*content.field);
 }
 
 }  // namespace

@@ -15,15 +15,9 @@ void Colours::choose(ViewState& state) const {
 
 std::vector<Colours> coloursOf(const Content& content, const Content* other) {
   std::vector<Colours> all{{}};
-  const auto addThoseOf = [&](const auto& field) {
-    if (!field.winding.empty()) all.push_back({.array = FieldArray::Winding});
-    if (!field.confidence.empty()) all.push_back({.array = FieldArray::Confidence});
-  };
-  if (content.field) addThoseOf(*content.field);
-  if (content.band) addThoseOf(*content.band);
-  if (!content.isField())
-    for (const FieldArray array : {FieldArray::Winding, FieldArray::Confidence})
-      all.push_back({.array = array});
+  const auto& field = content.field;
+  if (!field || !field->winding.empty()) all.push_back({.array = FieldArray::Winding});
+  if (!field || !field->confidence.empty()) all.push_back({.array = FieldArray::Confidence});
   if (other) all.push_back({.isDifference = true});
   return all;
 }

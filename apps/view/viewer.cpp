@@ -739,7 +739,7 @@ PanelFigures Viewer::figures() const {
     const glm::ivec3 dims = field.grid().dims;
     char text[128];
     std::snprintf(text, sizeof text, "%d x %d x %d%s\nspacing %.4g%s", dims.x, dims.y, dims.z,
-                  content().band ? ", a narrow band" : "", field.grid().spacing,
+                  content().field && content().field->narrow ? ", a narrow band" : "", field.grid().spacing,
                   field.isBusy() ? " ..." : "");
     grid = text;
   }

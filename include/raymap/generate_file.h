@@ -6,7 +6,6 @@
 #include <raymap/generate.h>
 #include <raymap/io.h>
 #include <raymap/region.h>
-#include <raymap/sparse_field.h>
 
 #include <filesystem>
 #include <functional>
@@ -81,7 +80,7 @@ class RAYMAP_API FileGenerator {
   /// `writeField` does.
   void write() const;
 
-  /// Returns the last field if it was made whole; else an empty one.
+  /// Returns the last field; an empty one if it was made in slabs.
   const Field& field() const { return field_; }
 
  private:
@@ -92,7 +91,6 @@ class RAYMAP_API FileGenerator {
   FieldFiles files_;
   FieldForm form_ = FieldForm::Slabs;
   Field field_;
-  SparseField band_;
 };
 
 /// Makes a field and writes its files. The file of a whole field has the bytes that `writeField` writes of
@@ -104,7 +102,7 @@ RAYMAP_API FileReport generateFile(const MeshView& mesh, const Grid& grid, const
 /// Writes the field of all samples of a narrow band, as `writeField` writes that of `toDense`. In a .npy,
 /// .nrrd or .vti with numbers of 32 bits it need not fit into memory. Throws `Error` as these do, and as
 /// `writeFieldInSlabs` does.
-RAYMAP_API void writeDense(const std::filesystem::path& path, const SparseField& band,
+RAYMAP_API void writeDense(const std::filesystem::path& path, const Field& band,
                            const FieldWriteOptions& options = {});
 
 }  // namespace raymap

@@ -4,10 +4,10 @@
 #include <raymap/callbacks.h>
 #include <raymap/field.h>
 #include <raymap/mesh_view.h>
+#include <raymap/narrow_band.h>
 #include <raymap/query.h>
 #include <raymap/sample.h>
 #include <raymap/sample_points.h>
-#include <raymap/sparse_field.h>
 #include <raymap/units.h>
 
 #include <filesystem>
@@ -24,12 +24,20 @@ namespace raymap {
 // `format` is used in its place: an extension, such as ".stl". Without either, a file to read is recognised
 // by its first bytes, if these leave no doubt.
 
+/// As what a level set of a .vdb or .nvdb is read.
+enum class LevelSet {
+  Dense,         ///< A field of all samples.
+  Narrow,        ///< A narrow band; a file without a level set is refused.
+  NarrowIfLarge  ///< A narrow band if it has more than 2^24 samples.
+};
+
 /// How to read a file.
 struct ReadOptions {
   std::string_view format = {};    ///< Extension that is used where the path has none that is known.
   WarningCallback warn = {};       ///< Called with what is odd in the file, but does not stop the call.
   bool allowEmpty = false;         ///< Whether a mesh may have no triangles; see `FieldOptions`.
   std::string_view gridName = {};  ///< Grid to read of a .vdb or .nvdb; empty: the first level set.
+  LevelSet levelSet = LevelSet::Dense;
   /// Further arrays of a .npz that the caller reads, so that no warning says that they are left out.
   std::span<const std::string_view> alsoRead = {};
   /// Receives all positions of a mesh in double precision, if the returned mesh rounds any; else it is
@@ -90,30 +98,25 @@ RAYMAP_API std::vector<std::string> writableMeshExtensions();
 RAYMAP_API std::vector<std::string> fieldExtensions();
 
 /// Reads .nrrd, .npz, .npy, .vti, .vdb or .nvdb. A .npy has no grid: its origin is 0, its spacing 1. Warns of
-/// arrays of the file that a field has no place for. Throws `Error`: Usage for another extension, File,
-/// Input, Memory, Unsupported.
+/// arrays of the file that a field has no place for.
+///
+/// `levelSet` decides whether a level set of a .vdb or .nvdb, whichever program wrote it, is read as a narrow
+/// band. Time and memory then grow with its leaves. Every sample has the value that OpenVDB gives.
+///
+/// Narrow bands of `writeField` come back bit for bit, unless distances have 16 bits. Tiles come as the
+/// largest cubes that there are. The lattice of another program's grid begins and ends with whole leaves of 8
+/// samples, so it may be larger than that of a dense field. Its widths are the background outside, and the
+/// least inactive value inside. If none is inactive there, the band has the same width inside, or none if a
+/// value is deeper. Arrays of a field of all samples are kept in its leaves alone.
+///
+/// Warns of grids that are not read, unless one is named. Throws `Error`: Usage for another extension or a
+/// name that no grid has, which lists the names; Unsupported for a grid that is turned, mirrored or not of
+/// cubes, and, as a narrow band, for one that is no level set of floats or has more than 2^24 samples along
+/// an axis; File, Input, Memory.
 RAYMAP_API Field readField(const std::filesystem::path& path, const ReadOptions& options = {});
 
-/// Reads a level set of a .vdb or .nvdb as a narrow band, whichever program wrote it. Time and memory
-/// grow with its leaves. Every sample has the value that OpenVDB gives.
-///
-/// Files of `writeBand` come back bit for bit, unless distances have 16 bits. Tiles come as the largest cubes
-/// that there are. The lattice of another program's grid begins and ends with whole leaves of 8 samples, so
-/// it may be larger than that of `readField`. Its widths are the background outside, and the least inactive
-/// value inside. If none is inactive there, the band has the same width inside, or none if a value is deeper.
-/// Arrays of a field of all samples are kept in its leaves alone.
-///
-/// Warns of grids that are not read, unless one is named. Throws `Error`: Usage for another format or a name
-/// that no grid has, which lists the names; Unsupported for a grid that is no level set of floats, is turned,
-/// mirrored or not of cubes, or has more than 2^24 samples along an axis; File, Input, Memory.
-RAYMAP_API SparseField readBand(const std::filesystem::path& path, const ReadOptions& options = {});
-
 /// Reads a mesh or a field, whichever the file holds, as `readMesh` and `readField` do.
-RAYMAP_API std::variant<Mesh, Field> readMeshOrField(const std::filesystem::path& path,
-                                                     const ReadOptions& options = {});
-/// Does the same, but reads a level set of more than 2^24 samples as `readBand` does.
-RAYMAP_API std::variant<Mesh, Field, SparseField> readMeshFieldOrBand(const std::filesystem::path& path,
-                                                                      const ReadOptions& options = {});
+RAYMAP_API std::variant<Mesh, Field> read(const std::filesystem::path& path, const ReadOptions& options = {});
 
 /// How to write a field.
 struct FieldWriteOptions {
@@ -133,21 +136,19 @@ struct FieldWriteOptions {
 /// without samples or with numbers that are not finite, a name or 16 bits for a format without, half floats
 /// for distances beyond 65472 or samples closer than 0.0001, and 16 bits in a .nvdb for numbers that are not
 /// finite or beyond 1e38; File.
+///
+/// A narrow band is written with all its arrays as .vdb or .nvdb. Memory and file grow with the surface.
+/// Throws Usage for another extension or array than the distance, too, and Unsupported in a build without
+/// OpenVDB.
 RAYMAP_API void writeField(const std::filesystem::path& path, const Field& field,
                            const FieldWriteOptions& options = {});
 
-/// Writes a narrow band with all its arrays as .vdb or .nvdb. Memory and file grow with the surface. The
-/// file appears whole or not at all. `readBand` reads it, and `readField` as a field of all samples. Throws
-/// `Error`: Usage for another extension or array than the distance and as `writeField` does, File,
-/// Unsupported in a build without OpenVDB.
-RAYMAP_API void writeBand(const std::filesystem::path& path, const SparseField& band,
-                          const FieldWriteOptions& options = {});
-
 /// Writes several narrow bands as grids of one file; `ReadOptions::gridName` chooses one. The further arrays
-/// of a band 'body' are grids as 'body.winding', and are read with it. Throws as `writeBand` does, and Usage
-/// if there is no band, two grids have one name or one has none, and for `FieldWriteOptions::gridName`.
-RAYMAP_API void writeBands(const std::filesystem::path& path, std::span<const NamedBand> bands,
-                           const FieldWriteOptions& options = {});
+/// of a band 'body' are grids as 'body.winding', and are read with it. Throws as `writeField` does, and Usage
+/// if there is no band, a field is none, two grids have one name or one has none, and for
+/// `FieldWriteOptions::gridName`.
+RAYMAP_API void writeFields(const std::filesystem::path& path, std::span<const NamedField> bands,
+                            const FieldWriteOptions& options = {});
 
 /// Reads points in double precision, in the order of the file:
 /// - .csv: columns x, y and z of a header row; without one, three columns. Separated by commas, semicolons or

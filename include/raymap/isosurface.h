@@ -2,7 +2,6 @@
 
 #include <raymap/field.h>
 #include <raymap/machine.h>
-#include <raymap/sparse_field.h>
 
 namespace raymap {
 
@@ -18,6 +17,11 @@ struct IsosurfaceOptions {
 /// result is closed where the solid reaches the grid's box. Planes are fitted to the distances, so that
 /// corners and sharp edges are kept. Same field, same mesh, for any number of threads.
 ///
+/// The surface of a narrow band is, bit for bit, that of the field that `toDense` makes of it, but the time
+/// and memory grow with the surface. On the wider side of a band, `iso` may exceed that field's
+/// `clampDistance`. Vertices have single precision about the grid's middle: beyond 16384 samples along a
+/// side, they lose the cubes that they lie in.
+///
 /// `machine.threads`, `warn` and `progress` are used. It warns if the solid reaches the grid's box.
 ///
 /// Throws `Error`: Usage if there is no surface at `iso`, Input if a sample is not finite, Memory, Cancelled.
@@ -25,15 +29,6 @@ RAYMAP_API Mesh isosurface(const Field& field, const IsosurfaceOptions& options 
                            const MachineOptions& machine = {});
 /// Does the same, reusing the memory of `result`, which an error leaves empty.
 RAYMAP_API void isosurface(const Field& field, const IsosurfaceOptions& options, Mesh& result,
-                           const MachineOptions& machine = {});
-
-/// Returns the surface of a narrow band. It is, bit for bit, that of the field that `toDense` makes of it,
-/// but the time and memory grow with the surface. On the wider side of a band, `iso` may exceed that field's
-/// `clampDistance`. Vertices have single precision about the grid's middle: beyond 16384 samples along a
-/// side, they lose the cubes that they lie in.
-RAYMAP_API Mesh isosurface(const SparseField& band, const IsosurfaceOptions& options = {},
-                           const MachineOptions& machine = {});
-RAYMAP_API void isosurface(const SparseField& band, const IsosurfaceOptions& options, Mesh& result,
                            const MachineOptions& machine = {});
 
 }  // namespace raymap

@@ -11,6 +11,7 @@
 #include <raymap/isosurface.h>
 #include <raymap/local_thickness.h>
 #include <raymap/machine.h>
+#include <raymap/narrow_band.h>
 #include <raymap/options.h>
 #include <raymap/page.h>
 #include <raymap/picture.h>
@@ -20,7 +21,6 @@
 #include <raymap/sample_points.h>
 #include <raymap/scene.h>
 #include <raymap/simplify.h>
-#include <raymap/sparse_field.h>
 
 #include <concepts>
 #include <cstdint>

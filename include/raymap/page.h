@@ -5,7 +5,6 @@
 #include <raymap/machine.h>
 #include <raymap/mesh_view.h>
 #include <raymap/picture.h>
-#include <raymap/sparse_field.h>
 
 #include <filesystem>
 #include <optional>
@@ -19,9 +18,8 @@ struct PageOptions {
   int maxSize = 256;       ///< Most samples along a side. Larger fields are resampled on a coarser grid.
   FieldArray array = FieldArray::Distance;  ///< Array in whose colours it begins; no triangles.
   std::optional<MeshView> mesh = {};        ///< Mesh whose defects it lists.
-  const Field* other = nullptr;            ///< Second field to compare with, sampled on the grid of the page.
-  const SparseField* otherBand = nullptr;  ///< A narrow band to compare with, in place of `other`.
-  std::string otherTitle = {};             ///< Name of the second field; empty: "Other field".
+  const Field* other = nullptr;  ///< Second field to compare with, sampled on the grid of the page.
+  std::string otherTitle = {};   ///< Name of the second field; empty: "Other field".
 };
 
 /// A page, not yet in a file.
@@ -49,26 +47,19 @@ RAYMAP_API Grid pageGrid(const Grid& grid, int maxSize);
 /// The places of a mesh's defects are listed, at most `kMostDefectPlaces` of a kind, the largest first. A
 /// page of two fields shows either, and their difference in colour; it shows distances only. Throws `Error`
 /// as `renderField` does, Usage if `maxSize` is below 2, the field lacks `array` or the view names a second
-/// field, Input for an invalid mesh. Either of two fields may be a narrow band (see below).
+/// field, Input for an invalid mesh.
+///
+/// The page of a narrow band takes time and memory that grow with the surface. It shows distances only, none
+/// of them clamped: at each sample of the page that to the band's `isosurface`, which `generate` makes there.
+/// So the surface across a hole of an open mesh counts, too. Where the band's box cuts the solid, distances
+/// are those of a solid that goes straight on beyond it. `machine.device` and `memoryLimit` are used for that
+/// field. Throws Usage, too, if no sample of the band is inside, or for an array other than the distance.
 RAYMAP_API Page makePage(const Field& field, const RenderOptions& view = {}, const PageOptions& options = {},
                          const MachineOptions& machine = {});
 
 /// Writes such a page to a file, which appears whole or not at all. Returns it. Throws as `makePage` does,
 /// and File.
 RAYMAP_API Page writePage(const std::filesystem::path& path, const Field& field,
-                          const RenderOptions& view = {}, const PageOptions& options = {},
-                          const MachineOptions& machine = {});
-
-/// Returns a page of a narrow band, without the memory of its dense field: time and memory grow with the
-/// surface. It shows distances only, none of them clamped: at each sample of the page that to the band's
-/// `isosurface`, which `generate` makes there. So the surface across a hole of an open mesh counts, too.
-/// Where the band's box cuts the solid, distances are those of a solid that goes straight on beyond it.
-///
-/// `machine.device` and `memoryLimit` are used for that field. Throws as above, and Usage if no sample of the
-/// band is inside, or for an array other than the distance.
-RAYMAP_API Page makePage(const SparseField& band, const RenderOptions& view = {},
-                         const PageOptions& options = {}, const MachineOptions& machine = {});
-RAYMAP_API Page writePage(const std::filesystem::path& path, const SparseField& band,
                           const RenderOptions& view = {}, const PageOptions& options = {},
                           const MachineOptions& machine = {});
 

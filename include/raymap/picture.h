@@ -2,7 +2,6 @@
 
 #include <raymap/field.h>
 #include <raymap/grid.h>
-#include <raymap/sparse_field.h>
 
 #include <cstdint>
 #include <optional>
@@ -53,10 +52,9 @@ struct RenderOptions {
   /// have it; triangles have no such colours.
   FieldArray array = FieldArray::Distance;
   /// Second field. Its distances less those of the first colour slice, cut face and surface: blue below 0,
-  /// red above. If it is on another grid, it is sampled on that of the first.
+  /// red above. If it is on another grid, it is sampled on that of the first. It may be a narrow band if the
+  /// first field is one.
   const Field* other = nullptr;
-  /// A narrow band as the second field, in place of `other`. The first one must be a band too.
-  const SparseField* otherBand = nullptr;
   double range = 0.0;  ///< Least difference in the deepest colour, in the mesh's units; 0 = the spacing.
   bool operator==(const RenderOptions&) const = default;
 };

@@ -21,6 +21,7 @@
 #include <raymap/mesh.h>
 #include <raymap/mesh_view.h>
 #include <raymap/names.h>
+#include <raymap/narrow_band.h>
 #include <raymap/options.h>
 #include <raymap/page.h>
 #include <raymap/picture.h>
@@ -34,7 +35,6 @@
 #include <raymap/sample_points.h>
 #include <raymap/scene.h>
 #include <raymap/simplify.h>
-#include <raymap/sparse_field.h>
 #include <raymap/surface.h>
 #include <raymap/thickness.h>
 #include <raymap/threads.h>

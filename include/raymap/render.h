@@ -6,7 +6,6 @@
 #include <raymap/machine.h>
 #include <raymap/mesh_view.h>
 #include <raymap/picture.h>
-#include <raymap/sparse_field.h>
 
 #include <array>
 #include <cstdint>
@@ -26,24 +25,18 @@ namespace raymap {
 /// Winding numbers and confidences have the colours of `renderSlice`, differences from blue (less) to red
 /// (more). The thick line is the surface; thin lines lie half a step off zero.
 ///
+/// Rays pass cubes of samples without leaves of a narrow band at once, and the hits are those of the field
+/// that `toDense` makes of it. Winding numbers and confidences are violet where they are not known: around
+/// samples in no leaf. The second field is then read at the positions themselves, on whatever grid, on the
+/// CPU: another device is an error if it was named. Where a distance is clamped, the difference is known only
+/// to be at least, or at most, what the values give. It is in the deepest colour if that is beyond `range`,
+/// else violet.
+///
 /// All of `machine` but `memoryLimit` is used. A GPU's picture differs a little from the CPU's: the mean of a
 /// colour by at most 0.1 of 255, and at most 0.2 % of the pixels, on edges, by more than 8. Else the same
 /// field and options give the same picture, for any number of threads. Throws `Error`: Usage, Input if a
 /// number to draw is not finite, Cancelled; for the device Unsupported, Memory, DeviceLost.
 RAYMAP_API Picture renderField(const Field& field, const RenderOptions& options = {},
-                               const MachineOptions& machine = {});
-/// Draws a narrow band in the same way. Rays pass cubes of samples without leaves at once, and the hits are
-/// those of the field that `toDense` makes of it. Winding numbers and confidences are violet where they are
-/// not known: around samples in no leaf.
-///
-/// `other` or `otherBand` is read at the positions themselves, on whatever grid, on the CPU: another device
-/// is an error if it was named. Where a distance is clamped,
-/// the difference is known only to be at least, or at most, what the values give. It is in the deepest colour
-/// if that is beyond `range`, else violet.
-///
-/// All of `machine` but `memoryLimit` is used. Throws `Error` as for a dense field: Input if a number of a
-/// leaf is not finite.
-RAYMAP_API Picture renderField(const SparseField& band, const RenderOptions& options = {},
                                const MachineOptions& machine = {});
 
 /// Draws a mesh's triangles and its defects in colour. Only these options are used: the size,
@@ -73,10 +66,9 @@ RAYMAP_API std::array<uint8_t, 3> defectColour(Defect defect);
 ///   where w < 0, and deeper with each turn; thin lines at 1.5, 2.5, ... part the whole numbers.
 /// - `Confidence`: dark at 0, teal at 0.5, pale at 1.
 /// - `Triangle`: a colour of its own for each triangle, one square per sample; light grey = none.
+///
+/// A narrow band is drawn as the field that `toDense` makes of it, without its memory.
 RAYMAP_API Picture renderSlice(const Field& field, int axis, int index = -1, int width = 1024,
-                               FieldArray array = FieldArray::Distance);
-/// Draws the same of a narrow band as of the field that `toDense` makes of it, without its memory.
-RAYMAP_API Picture renderSlice(const SparseField& band, int axis, int index = -1, int width = 1024,
                                FieldArray array = FieldArray::Distance);
 
 /// Colours of evenly spaced numbers, the first and the last included.
@@ -108,12 +100,11 @@ struct Comparison {
 };
 
 /// Compares an array of two fields. If either is clamped to a band, compares distances within the narrower
-/// one. Throws `Error(Usage)` if the grids differ by more than rounding, or a field lacks the array.
+/// one. Two narrow bands are compared as the fields that `toDense` makes of them, without their memory:
+/// numbers other than distances are known in leaves alone, so that other samples are not finite. Throws
+/// `Error(Usage)` if the grids differ by more than rounding, a field lacks the array, or one alone is a
+/// narrow band.
 RAYMAP_API Comparison compareFields(const Field& a, const Field& b, FieldArray array = FieldArray::Distance);
-/// Compares an array of two narrow bands as the fields that `toDense` makes of them, without their memory.
-/// Numbers other than distances are known in leaves alone: other samples count as not finite.
-RAYMAP_API Comparison compareFields(const SparseField& a, const SparseField& b,
-                                    FieldArray array = FieldArray::Distance);
 
 /// Draws the slice with the most sign differences, across any axis, one square per sample, laid out as by
 /// `renderSlice` (Krayer & Müller 2019, Fig. 11).
@@ -127,9 +118,6 @@ RAYMAP_API Comparison compareFields(const SparseField& a, const SparseField& b,
 /// those of |w| = 0.5; confidences have none. For indices of triangles, the slice with the most differences
 /// is drawn: light grey where they agree, red where they differ.
 RAYMAP_API Picture renderComparison(const Field& a, const Field& b, int width = 1024,
-                                    FieldArray array = FieldArray::Distance);
-/// Draws the same of two narrow bands.
-RAYMAP_API Picture renderComparison(const SparseField& a, const SparseField& b, int width = 1024,
                                     FieldArray array = FieldArray::Distance);
 
 /// Writes a picture as PNG. The file appears whole or not at all. Throws `Error`: Usage if the picture is

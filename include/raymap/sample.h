@@ -2,7 +2,6 @@
 
 #include <raymap/field.h>
 #include <raymap/machine.h>
-#include <raymap/sparse_field.h>
 
 #include <span>
 
@@ -61,25 +60,17 @@ struct Samples {
 
 /// Returns the distance at a point. Throws `Error(Usage)` if the field has no distances.
 RAYMAP_API double distanceAt(const Field& field, const glm::dvec3& point, Outside outside = Outside::Bound);
-RAYMAP_API double distanceAt(const SparseField& band, const glm::dvec3& point,
-                             Outside outside = Outside::Bound);
 
 /// Returns the gradient of the distance at a point. Throws `Error(Usage)` if the field has no distances.
 RAYMAP_API glm::dvec3 gradientAt(const Field& field, const glm::dvec3& point,
-                                 Outside outside = Outside::Bound);
-RAYMAP_API glm::dvec3 gradientAt(const SparseField& band, const glm::dvec3& point,
                                  Outside outside = Outside::Bound);
 
 /// Samples many points in parallel. A point's results do not depend on the others. Only
 /// `threads` of `machine` is used. Throws `Error`: Usage if the field has no distances, Memory.
 RAYMAP_API Samples sample(const Field& field, std::span<const glm::dvec3> points,
                           const SampleOptions& options = {}, const MachineOptions& machine = {});
-RAYMAP_API Samples sample(const SparseField& band, std::span<const glm::dvec3> points,
-                          const SampleOptions& options = {}, const MachineOptions& machine = {});
 /// Does the same, reusing the memory of `result`.
 RAYMAP_API void sample(const Field& field, std::span<const glm::dvec3> points, const SampleOptions& options,
                        Samples& result, const MachineOptions& machine = {});
-RAYMAP_API void sample(const SparseField& band, std::span<const glm::dvec3> points,
-                       const SampleOptions& options, Samples& result, const MachineOptions& machine = {});
 
 }  // namespace raymap

@@ -5,7 +5,6 @@
 #include <raymap/field.h>
 #include <raymap/machine.h>
 #include <raymap/query.h>
-#include <raymap/sparse_field.h>
 #include <raymap/surface.h>
 
 #include <cstddef>
@@ -94,8 +93,6 @@ class RAYMAP_API Scene {
   void add(std::string name, std::shared_ptr<const Surface> surface,
            const glm::dmat4& pose = glm::dmat4(1.0));
   void add(std::string name, std::shared_ptr<const Field> field, const glm::dmat4& pose = glm::dmat4(1.0));
-  void add(std::string name, std::shared_ptr<const SparseField> field,
-           const glm::dmat4& pose = glm::dmat4(1.0));
   /// Removes a body. Throws `Error(Usage)` if there is none of this name.
   void remove(std::string_view name);
 

@@ -4,9 +4,9 @@
 #include <raymap/generate.h>
 #include <raymap/local_thickness.h>
 #include <raymap/machine.h>
+#include <raymap/narrow_band.h>
 #include <raymap/query.h>
 #include <raymap/region.h>
-#include <raymap/sparse_field.h>
 
 #include <memory>
 #include <optional>
@@ -51,8 +51,8 @@ class RAYMAP_API Surface {
   /// are those of `query` at its position, rounded to `float`, however the lattice lies around it.
   /// `machine.threads`, `memoryLimit`, `warn` and `progress` are used. Throws `Error`: Usage for a grid or
   /// options that make no sense, Memory, Cancelled.
-  SparseField generateBand(const Grid& grid, const BandOptions& options = {},
-                           const MachineOptions& machine = {}) const;
+  Field generateBand(const Grid& grid, const BandOptions& options = {},
+                     const MachineOptions& machine = {}) const;
 
   /// Returns the field of a region of a lattice of up to 2^24 samples a side. A sample's values are those of
   /// `query` at its position on the lattice, `lattice.position(sample)`, rounded to `float`, however the

@@ -10,9 +10,9 @@
 
 #include <raymap/animation.h>
 #include <raymap/error.h>
+#include <raymap/narrow_band.h>
 #include <raymap/options.h>
 #include <raymap/picture.h>
-#include <raymap/sparse_field.h>
 #include <raymap/vulkan_device.h>
 #include <vulkan/vulkan_core.h>
 
@@ -171,12 +171,12 @@ class RAYMAP_API Skinner {
 /// How a renderer finds the leaves of a narrow band on the device, and the widths of the band.
 struct BandBuffer {
   BufferRange leafIndex = {};          ///< The words of `packLeafIndex`; none: the field is dense.
-  double inside = 0.0, outside = 0.0;  ///< As in `SparseField`.
+  double inside = 0.0, outside = 0.0;  ///< As in `Field`.
 };
 
 /// Returns 32-bit words by which a renderer finds the leaves of a narrow band. Throws `Error(Usage)` if the
 /// band is not valid.
-RAYMAP_API std::vector<uint32_t> packLeafIndex(const SparseField& band);
+RAYMAP_API std::vector<uint32_t> packLeafIndex(const Field& band);
 
 /// A signed field on the device, as a generator leaves it, or a narrow band.
 struct FieldBuffer {
@@ -191,7 +191,7 @@ struct FieldBuffer {
   /// `RenderOptions::other` shows them; none: there is no second one.
   BufferRange values = {};
   /// Set if the field is a narrow band. Then `distance` and `values` hold 512 samples per leaf, as the arrays
-  /// of a `SparseField` do. A second field is not drawn beside it.
+  /// of a `Field` do. A second field is not drawn beside it.
   BandBuffer band = {};
 };
 

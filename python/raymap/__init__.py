@@ -55,7 +55,6 @@ from ._repair import (
 )
 from ._samples import Sampler, Samples, sample_points
 from ._scene import NO_BODY, Scene, SceneQuery
-from ._sparse import SparseField
 from ._surface import (
     Closest,
     FacePoints,
@@ -135,7 +134,6 @@ __all__ = [
     "SceneQuery",
     "Simplified",
     "SimplifyReport",
-    "SparseField",
     "Stats",
     "Surface",
     "Thickness",

@@ -13,13 +13,12 @@ import numpy.typing as npt
 from . import _inputs, _raymap
 from ._arguments import to_box, to_length, to_text, to_vector, to_whole, to_wholes
 from ._errors import InputError, UsageError
-from ._field import Field, field_of_core
+from ._field import Band, Field, band_options, field_of_core
 from ._frames import Normalization, frame_of, moved, to_normalization
 from ._mesh import Mesh, core_of
 from ._options import array_options, check_names, core_options
 from ._progress import Progress, reporting
 from ._records import DistanceMode, FieldArray, Orientation, Sampling, SignMode
-from ._sparse import Band, SparseField, band_options, sparse_of_core
 
 
 class SurfaceFieldOptions(TypedDict, total=False):
@@ -64,14 +63,6 @@ class FieldOptions(FileFieldOptions, total=False):
     normalize: bool | Normalization
 
 
-@overload
-def generate(
-    mesh_or_vertices: Any, faces: Any = None, *, sparse: Literal[False] = False, **options: Unpack[FieldOptions]
-) -> Field: ...
-@overload
-def generate(
-    mesh_or_vertices: Any, faces: Any = None, *, sparse: Literal[True], **options: Unpack[FieldOptions]
-) -> SparseField: ...
 def generate(
     mesh_or_vertices: Any,
     faces: Any = None,
@@ -104,7 +95,7 @@ def generate(
     memory_limit: int | None = None,
     progress: Progress = None,
     sparse: bool = False,
-) -> Field | SparseField:
+) -> Field:
     """Returns the signed distance field of a triangle mesh, negative inside.
 
     Any mesh will do: with holes, overlaps, missing parts, or faces that point the wrong way. Nothing is scaled or
@@ -167,7 +158,7 @@ def generate(
             times a second. It cancels by returning False or by raising. True shows a bar in a notebook,
             a moving line on a terminal, else a line a minute on stderr; ``"plain"`` does the last anywhere, and ``"json"``
             writes an object a line.
-        sparse: Whether to make the samples within the ``band`` alone, 3 samples if it is None: a ``raymap.SparseField``,
+        sparse: Whether to make the samples within the ``band`` alone, 3 samples if it is None: a narrow band,
             on the CPU. The magnitude must be ``"exact"`` and the sign ``"harmonic"`` or ``"none"``.
 
     Raises:
@@ -196,7 +187,7 @@ def generate(
     return Generator().generate(mesh_or_vertices, faces, **options)
 
 
-def _generate_sparse(mesh: Mesh, options: FieldOptions) -> SparseField:
+def _generate_sparse(mesh: Mesh, options: FieldOptions) -> Field:
     frame = frame_of(mesh, to_normalization(options.get("normalize", False)))
     core = core_of(moved(mesh, frame))
     grid = fit_grid(partial(_raymap.fit_grid, core), options)
@@ -205,7 +196,7 @@ def _generate_sparse(mesh: Mesh, options: FieldOptions) -> SparseField:
     core_options.set("compact", _raymap.is_compact_better(grid, len(mesh.faces)))
     with reporting(options.get("progress")) as report:
         surface = _raymap.Surface(core, core_options, report)
-        return sparse_of_core(surface.generate_sparse(grid, core_options, report), frame)
+        return field_of_core(surface.generate_sparse(grid, core_options, report), frame)
 
 
 class Generator:

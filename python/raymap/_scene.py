@@ -14,13 +14,12 @@ from ._errors import InputError
 from ._field import Field, core_of_field
 from ._options import core_options
 from ._progress import Progress, reporting
-from ._sparse import SparseField, core_of_sparse
 from ._surface import Surface, core_of_surface
 
 #: Name of what ``Scene.query`` can compute.
 SceneArray: TypeAlias = Literal["distance", "body", "closest", "gradient", "distances", "triangle"]
 
-_Body: TypeAlias = Surface | Field | SparseField
+_Body: TypeAlias = Surface | Field
 
 #: Number of the body where there is none.
 NO_BODY = 2**32 - 1
@@ -51,7 +50,7 @@ class SceneQuery(NamedTuple):
 class Scene:
     """Bodies with rigid poses, and the signed distance of points of the world to their union, negative inside.
 
-    A body is a ``Surface``, a ``Field`` or a ``SparseField``, which the scene shares with its owner, or a mesh or the path
+    A body is a ``Surface`` or a ``Field``, which the scene shares with its owner, or a mesh or the path
     of one, of which it makes a ``Surface``. Its pose takes the body's coordinates to those of the world. Poses change at no cost. Bodies are numbered in the order in which they
     were added; removing one moves those after it down by one.
 
@@ -274,20 +273,18 @@ def _named(bodies: Mapping[str, Any] | Sequence[Any] | None) -> Iterable[tuple[s
 
 def _to_body(given: Any) -> _Body:
     """Returns a body; a surface of a mesh."""
-    if isinstance(given, (Surface, Field, SparseField)):
+    if isinstance(given, (Surface, Field)):
         return given
     try:
         return Surface(given)
     except TypeError:
         raise TypeError(
-            f"a body is a raymap.Surface, Field or SparseField, or a mesh, not a {type(given).__name__}"
+            f"a body is a raymap.Surface or Field, or a mesh, not a {type(given).__name__}"
         ) from None
 
 
 def _core_of(body: _Body) -> Any:
-    if isinstance(body, Surface):
-        return core_of_surface(body)
-    return core_of_field(body) if isinstance(body, Field) else core_of_sparse(body)
+    return core_of_surface(body) if isinstance(body, Surface) else core_of_field(body)
 
 
 def _restore(bodies: dict[str, _Body], poses: npt.NDArray[np.float64]) -> Scene:

@@ -18,7 +18,6 @@ from ._mesh import Mesh, core_of, mesh_of_arrays
 from ._options import array_options, check_names, core_options
 from ._progress import Progress, reporting
 from ._records import FieldArray, Orientation, Part, Stats, ThicknessSummary
-from ._sparse import SparseField, sparse_of_core
 
 #: Name of what ``Surface.query`` can compute.
 QueryArray: TypeAlias = Literal[
@@ -358,11 +357,7 @@ class Surface:
             found[name] = converted.reshape(shape if array.ndim == 2 else shape[:-1])
         return found
 
-    @overload
-    def generate(self, *, sparse: Literal[False] = False, **options: Unpack[SurfaceFieldOptions]) -> Field: ...
-    @overload
-    def generate(self, *, sparse: Literal[True], **options: Unpack[SurfaceFieldOptions]) -> SparseField: ...
-    def generate(self, *, sparse: bool = False, **options: Unpack[SurfaceFieldOptions]) -> Field | SparseField:
+    def generate(self, *, sparse: bool = False, **options: Unpack[SurfaceFieldOptions]) -> Field:
         """Returns a field of the mesh, negative inside, which agrees with what the surface says at points.
 
         Arguments and errors are those of ``raymap.generate``, without ``orientation``: faces are turned as the
@@ -385,9 +380,8 @@ class Surface:
         if sparse and (is_signed != self._sign or options.get("threshold", 0.5) != 0.5):
             raise UsageError("sparse=True takes the sign and the threshold of the surface; leave them out")
         with reporting(options.get("progress")) as report:
-            if sparse:
-                return sparse_of_core(self._core.generate_sparse(grid, core, report))
-            return field_of_core(self._core.generate(grid, core, report))
+            make = self._core.generate_sparse if sparse else self._core.generate
+            return field_of_core(make(grid, core, report))
 
     def generate_region(
         self,

@@ -12,7 +12,6 @@ from ._arrays import to_points
 from ._errors import InputError, UsageError
 from ._field import Field
 from ._nearest import Nearest, find_nearest
-from ._sparse import SparseField
 from ._surface import Surface
 
 _CORNERS = np.stack(np.unravel_index(np.arange(8), (2, 2, 2), order="F"), axis=-1)  # x is fastest.
@@ -44,14 +43,14 @@ class Cells(NamedTuple):
 
 def check_field(field: Any, surface: Surface | None, vertices: Any) -> None:
     """Raises an error unless there is a field, with a surface and vertices or without both."""
-    if not isinstance(field, (Field, SparseField)):
-        raise TypeError(f"field must be a raymap.Field or a raymap.SparseField, not a {type(field).__name__}")
+    if not isinstance(field, Field):
+        raise TypeError(f"field must be a raymap.Field, not a {type(field).__name__}")
     if (surface is None) != (vertices is None):
         raise UsageError("surface and vertices belong together; give both, or leave both out")
 
 
 def find_cells(
-    field: Field | SparseField,
+    field: Field,
     surface: Surface | None,
     points: npt.NDArray[Any],
     vertices: npt.NDArray[Any] | None = None,
@@ -93,7 +92,7 @@ def _unique(
 
 
 def _find_samples(
-    field: Field | SparseField,
+    field: Field,
     surface: Surface | None,
     indices: npt.NDArray[np.int64],
     vertices: npt.NDArray[Any] | None,
@@ -119,10 +118,10 @@ def _find_samples(
 
 
 def _distances(
-    field: Field | SparseField, indices: npt.NDArray[np.int64], threads: int | None
+    field: Field, indices: npt.NDArray[np.int64], threads: int | None
 ) -> npt.NDArray[np.float32]:
     """Returns the distances of samples (n, 3)."""
-    if isinstance(field, Field):
+    if not field.is_narrow:
         return np.asarray(field.distance[tuple(indices.T)])
     # A position that rounding moves out of the box would get a bound instead of the last sample's distance.
     last = np.array(field.shape) - 1
@@ -130,9 +129,9 @@ def _distances(
     return field.sample(field.origin + field.spacing * np.minimum(indices, np.maximum(last - rounding, 0)), threads=threads)
 
 
-def _clamp_distances(field: Field | SparseField) -> tuple[float, float]:
+def _clamp_distances(field: Field) -> tuple[float, float]:
     """Returns the distances at which a field is clamped inside and outside, both above 0; infinite if it is not."""
-    if isinstance(field, SparseField):
+    if field.is_narrow:
         return field.inside, field.outside
     return field.clamp_distance or np.inf, field.clamp_distance or np.inf
 

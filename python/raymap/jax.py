@@ -18,7 +18,6 @@ import numpy as np
 from ._errors import InputError
 from ._field import Field
 from ._nearest import Nearest, find_nearest, follow, project
-from ._sparse import SparseField
 from ._surface import Surface
 from ._trilinear import Cells, check_field, find_cells, interpolate
 
@@ -77,7 +76,7 @@ def closest_point(surface: Surface, points: Any, *, vertices: Any = None, thread
 
 
 def sample(
-    field: Field | SparseField,
+    field: Field,
     points: Any,
     *,
     surface: Surface | None = None,
@@ -103,7 +102,7 @@ def sample(
         InputError: Points of another shape, vertices that are not those of the surface, or a sample that is not its
             distance. JAX wraps the last two in an error of its own.
         UsageError: A surface without vertices, or vertices without a surface.
-        TypeError: The field is no ``raymap.Field`` and no ``raymap.SparseField``.
+        TypeError: The field is no ``raymap.Field``.
     """
     check_field(field, surface, vertices)
     points, kind = _to_points(points)

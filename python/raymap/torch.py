@@ -28,7 +28,6 @@ from ._errors import MemoryLimitError, UsageError
 from ._field import Field
 from ._nearest import Nearest, find_closest, find_nearest, follow, hold, project, shares, slope
 from ._samples import Sampler, SamplerOptions, to_seed
-from ._sparse import SparseField
 from ._surface import Query, Surface
 from ._trilinear import Cells, check_field, find_cells, interpolate
 from .dataset.read import Results
@@ -207,7 +206,7 @@ def closest_point(surface: Surface, points: Any, *, vertices: Any = None, thread
 
 @_eager
 def sample(
-    field: Field | SparseField,
+    field: Field,
     points: Any,
     *,
     surface: Surface | None = None,
@@ -240,7 +239,7 @@ def sample(
         InputError: Points of another shape, vertices that are not those of the surface, or a sample that is not its
             distance.
         UsageError: A surface without vertices, vertices without a surface, or ``vmap`` over vertices.
-        TypeError: The field is no ``raymap.Field`` and no ``raymap.SparseField``, or the points are no tensor.
+        TypeError: The field is no ``raymap.Field``, or the points are no tensor.
     """
     check_field(field, surface, vertices)
     _check_tensor("points", points, "field.sample(points)")

@@ -19,7 +19,7 @@
 #include <raymap/mesh.h>
 #include <raymap/mesh_view.h>
 #include <raymap/named_options.h>
-#include <raymap/sparse_field.h>
+#include <raymap/narrow_band.h>
 
 #include <initializer_list>
 #include <memory>
@@ -57,10 +57,6 @@ struct MeshHandle {
 struct FieldHandle {
   Field field = {};
   Stats stats = {};
-};
-
-struct SparseHandle {
-  SparseField field = {};
 };
 
 inline glm::dvec3 toVector(const Triple& v) {
@@ -104,7 +100,6 @@ void bindRender(nb::module_& module);
 void bindRepair(nb::module_& module);
 void bindSamplePoints(nb::module_& module);
 void bindScene(nb::module_& module);
-void bindSparseField(nb::module_& module);
 void bindSurface(nb::module_& module);
 
 }  // namespace raymap::python

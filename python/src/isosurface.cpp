@@ -6,8 +6,8 @@ namespace raymap::python {
 
 namespace {
 
-template <class Handle>
-std::shared_ptr<MeshHandle> makeSurface(const Handle& field, const AllOptions& options, nb::object progress) {
+std::shared_ptr<MeshHandle> makeSurface(const FieldHandle& field, const AllOptions& options,
+                                        nb::object progress) {
   Call call(std::move(progress));
   Mesh mesh;
   call.run([&] { mesh = isosurface(field.field, options.isosurface, call.on(options.machine)); });
@@ -17,8 +17,7 @@ std::shared_ptr<MeshHandle> makeSurface(const Handle& field, const AllOptions& o
 }  // namespace
 
 void bindIsosurface(nb::module_& module) {
-  module.def("isosurface", &makeSurface<FieldHandle>, "field"_a, "options"_a, "progress"_a.none());
-  module.def("isosurface", &makeSurface<SparseHandle>, "field"_a, "options"_a, "progress"_a.none());
+  module.def("isosurface", &makeSurface, "field"_a, "options"_a, "progress"_a.none());
 }
 
 }  // namespace raymap::python

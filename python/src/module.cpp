@@ -36,7 +36,6 @@ NB_MODULE(_raymap, module) {
   bindField(module);
   bindGenerate(module);
   bindIsosurface(module);
-  bindSparseField(module);
   bindSurface(module);
   bindScene(module);
   bindSamplePoints(module);

@@ -17,8 +17,7 @@ Pixels toPixels(Picture picture) {
   return toArray<uint8_t>(std::move(picture.rgb), {height, width, 3});
 }
 
-template <class Handle>
-Pixels drawSlice(const Handle& field, int axis, int index, int width, std::string_view array) {
+Pixels drawSlice(const FieldHandle& field, int axis, int index, int width, std::string_view array) {
   Picture picture;
   const auto chosen = fromName<FieldArray>(array);
   {
@@ -37,8 +36,7 @@ Pixels drawDefects(const MeshHandle& mesh, const AllOptions& options) {
   return toPixels(std::move(picture));
 }
 
-template <class Handle>
-nb::dict compare(const Handle& a, const Handle& b, std::string_view array) {
+nb::dict compare(const FieldHandle& a, const FieldHandle& b, std::string_view array) {
   const auto chosen = fromName<FieldArray>(array);
   Comparison found;
   {
@@ -48,8 +46,7 @@ nb::dict compare(const Handle& a, const Handle& b, std::string_view array) {
   return toPython(found);
 }
 
-template <class Handle>
-Pixels drawComparison(const Handle& a, const Handle& b, int width, std::string_view array) {
+Pixels drawComparison(const FieldHandle& a, const FieldHandle& b, int width, std::string_view array) {
   const auto chosen = fromName<FieldArray>(array);
   Picture picture;
   {
@@ -59,22 +56,19 @@ Pixels drawComparison(const Handle& a, const Handle& b, int width, std::string_v
   return toPixels(std::move(picture));
 }
 
-template <class Handle>
-Pixels drawField(const Handle& field, const AllOptions& options, nb::object progress) {
+Pixels drawField(const FieldHandle& field, const AllOptions& options, nb::object progress) {
   Call call(std::move(progress));
   Picture picture;
   call.run([&] { picture = renderField(field.field, options.render, call.on(options.machine)); });
   return toPixels(std::move(picture));
 }
 
-template <class Handle>
-nb::str makeHtml(const Handle& field, const AllOptions& options, const MeshHandle* mesh,
-                 const FieldHandle* other, const SparseHandle* otherBand, nb::object progress) {
+nb::str makeHtml(const FieldHandle& field, const AllOptions& options, const MeshHandle* mesh,
+                 const FieldHandle* other, nb::object progress) {
   Call call(std::move(progress));
   PageOptions page = options.page;
   if (mesh) page.mesh = mesh->view;
   if (other) page.other = &other->field;
-  if (otherBand) page.otherBand = &otherBand->field;
   std::string html;
   call.run([&] { html = makePage(field.field, options.render, page, call.on(options.machine)).html; });
   return toText(html);
@@ -83,19 +77,13 @@ nb::str makeHtml(const Handle& field, const AllOptions& options, const MeshHandl
 }  // namespace
 
 void bindRender(nb::module_& module) {
-  module.def("make_page", &makeHtml<FieldHandle>, "field"_a, "options"_a, "mesh"_a.none(), "other"_a.none(),
-             "other_band"_a.none(), "progress"_a.none());
-  module.def("make_page", &makeHtml<SparseHandle>, "field"_a, "options"_a, "mesh"_a.none(), "other"_a.none(),
-             "other_band"_a.none(), "progress"_a.none());
-  module.def("render_field", &drawField<FieldHandle>, "field"_a, "options"_a, "progress"_a.none());
-  module.def("render_field", &drawField<SparseHandle>, "field"_a, "options"_a, "progress"_a.none());
+  module.def("make_page", &makeHtml, "field"_a, "options"_a, "mesh"_a.none(), "other"_a.none(),
+             "progress"_a.none());
+  module.def("render_field", &drawField, "field"_a, "options"_a, "progress"_a.none());
   module.def("render_defects", &drawDefects, "mesh"_a, "options"_a);
-  module.def("compare", &compare<FieldHandle>, "a"_a, "b"_a, "array"_a);
-  module.def("compare", &compare<SparseHandle>, "a"_a, "b"_a, "array"_a);
-  module.def("render_comparison", &drawComparison<FieldHandle>, "a"_a, "b"_a, "width"_a, "array"_a);
-  module.def("render_comparison", &drawComparison<SparseHandle>, "a"_a, "b"_a, "width"_a, "array"_a);
-  module.def("render_slice", &drawSlice<FieldHandle>, "field"_a, "axis"_a, "index"_a, "width"_a, "array"_a);
-  module.def("render_slice", &drawSlice<SparseHandle>, "field"_a, "axis"_a, "index"_a, "width"_a, "array"_a);
+  module.def("compare", &compare, "a"_a, "b"_a, "array"_a);
+  module.def("render_comparison", &drawComparison, "a"_a, "b"_a, "width"_a, "array"_a);
+  module.def("render_slice", &drawSlice, "field"_a, "axis"_a, "index"_a, "width"_a, "array"_a);
 }
 
 }  // namespace raymap::python

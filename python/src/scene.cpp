@@ -103,14 +103,6 @@ void bindScene(nb::module_& module) {
           },
           "name"_a, "body"_a, "pose"_a)
       .def(
-          "add",
-          [](Scene& self, std::string name, const std::shared_ptr<SparseHandle>& handle,
-             const PoseArray& pose) {
-            self.add(std::move(name), std::shared_ptr<const SparseField>(handle, &handle->field),
-                     toPose(pose));
-          },
-          "name"_a, "body"_a, "pose"_a)
-      .def(
           "remove", [](Scene& self, std::string_view name) { self.remove(name); }, "name"_a)
       .def(
           "set_pose",

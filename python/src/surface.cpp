@@ -28,11 +28,12 @@ std::shared_ptr<FieldHandle> generate(const Surface& self, const Grid& grid, con
   return result;
 }
 
-std::shared_ptr<SparseHandle> generateSparse(const Surface& self, const Grid& grid, const AllOptions& options,
-                                             nb::object progress) {
+std::shared_ptr<FieldHandle> generateSparse(const Surface& self, const Grid& grid, const AllOptions& options,
+                                            nb::object progress) {
   Call call(std::move(progress));
-  const auto result = std::make_shared<SparseHandle>();
+  const auto result = std::make_shared<FieldHandle>();
   call.run([&] { result->field = self.generateBand(grid, options.band, call.on(options.machine)); });
+  result->stats = self.stats();
   return result;
 }
 

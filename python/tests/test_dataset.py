@@ -42,7 +42,7 @@ def test_narrow_bands_are_those_of_generate(meshes: Path, format: str, band: flo
     options = {"resolution": 40, "band": band, "normalize": "cube"}
     assert generate(meshes, format=format, sparse=True, **options).new == NAMES
     for name in NAMES:
-        made = raymap.SparseField.load(f"out/{name}.{format}")
+        made = raymap.load_field(f"out/{name}.{format}", sparse=True)
         direct = raymap.generate(meshes / name, sparse=True, **options)
         for array in "origins", "values", "tile_origins", "tile_sides":
             np.testing.assert_array_equal(getattr(made, array), getattr(direct, array))

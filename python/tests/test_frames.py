@@ -112,11 +112,11 @@ def test_normalized_narrow_bands(long_mesh: raymap.Mesh, band) -> None:
     np.testing.assert_allclose(back.origin, dense.denormalized().origin)
     np.testing.assert_array_equal(back.triangle, sparse.triangle)
     np.testing.assert_allclose(back.surface_bounds, long_mesh.bounds, atol=1e-4)
-    np.testing.assert_array_equal(raymap.SparseField.from_dense(dense, band=1).scale, dense.scale)
+    np.testing.assert_array_equal(dense.to_sparse(band=1).scale, dense.scale)
     with pytest.raises(raymap.UsageError, match="a.vdb: no file holds the centre and scale of a normalized narrow band; save"):
         sparse.save("a.vdb")
     back.save("a.vdb")
-    assert raymap.SparseField.load("a.vdb").outside == back.outside
+    assert raymap.load_field("a.vdb", sparse=True).outside == back.outside
 
 
 def test_the_farthest_vertex_decides_the_sphere() -> None:

@@ -131,8 +131,8 @@ def test_files_at_home(ball, tmp_path, monkeypatch):
     for name in ("~/a.npz", "~/a.vdb"):
         field.save(name)
         np.testing.assert_array_equal(raymap.load_field(name).distance, field.distance)
-    raymap.SparseField.from_dense(field, band=3).save("~/b.vdb")
-    assert raymap.SparseField.load("~/b.vdb").shape == field.shape
+    field.to_sparse(band=3).save("~/b.vdb")
+    assert raymap.load_field("~/b.vdb", sparse=True).shape == field.shape
     raymap.save_pyramid([field], "~/p.npz")
     assert len(raymap.load_pyramid("~/p.npz")) == 1
     raymap.sample_points("~/a.ply", 10).save("~/s.npz")

@@ -114,7 +114,7 @@ def test_fields_and_narrow_bands_are_bodies(ball):
     field = raymap.generate(ball, resolution=32)
     made = pose((0, 1, 1), 1.0, (1, 0, 0))
     points = np.random.default_rng(1).uniform(-1, 1, (100, 3)) + (1, 0, 0)
-    for body in (field, raymap.SparseField.from_dense(field)):
+    for body in (field, field.to_sparse()):
         scene = raymap.Scene()
         scene.add("field", body, made)
         np.testing.assert_allclose(scene.signed_distance(points), body.sample(in_body(points, made)), atol=1e-6)
@@ -133,7 +133,7 @@ def test_bodies_come_and_go(scene, ball_surface):
     with pytest.raises(raymap.UsageError, match="the scene has a body 'ball'"):
         scene.add("ball", ball_surface)
     for body in (3, None):
-        with pytest.raises(TypeError, match="a body is a raymap.Surface, Field or SparseField, or a mesh, not a"):
+        with pytest.raises(TypeError, match="a body is a raymap.Surface or Field, or a mesh, not a"):
             scene.add("file", body)
     assert scene.names == ["egg", "again", "ball"]
 

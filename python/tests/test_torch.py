@@ -398,10 +398,9 @@ def test_vertices_of_another_mesh(surface):
         signed_distance(surface, points, vertices=np.zeros((1, 3)))
 
 
-AnyField = raymap.Field | raymap.SparseField
 
 
-def make_field(mesh: raymap.Mesh, **options) -> tuple[raymap.Surface, AnyField]:
+def make_field(mesh: raymap.Mesh, **options) -> tuple[raymap.Surface, raymap.Field]:
     """Returns a surface and its field, of samples none of which lies on the tetrahedron or between its faces."""
     surface = raymap.Surface(mesh)
     return surface, surface.generate(shape=(7, 6, 5), origin=(-0.33, -0.42, -0.57), voxel_size=0.26, **options)
@@ -412,7 +411,7 @@ DENSE = [{}, {"truncation": 0.3}]
 BANDS = [{"sparse": True, "band": (inside, 0.22 / 0.26)} for inside in (0.12 / 0.26, math.inf)]
 
 
-def within(field: AnyField, count: int) -> np.ndarray:
+def within(field: raymap.Field, count: int) -> np.ndarray:
     """Returns points within the field's box, and away from the sides of its cells."""
     random = np.random.default_rng(4)
     cells = random.integers(0, np.array(field.shape) - 1, (count, 3))
@@ -539,7 +538,7 @@ def test_samples_of_arguments_that_make_no_sense():
 
     surface, field = make_field(raymap.load_mesh("tetrahedron.ply"))
     points, vertices = torch.zeros(1, 3), torch.tensor(surface.mesh.vertices)
-    with pytest.raises(TypeError, match=r"field must be a raymap.Field or a raymap.SparseField, not a Surface"):
+    with pytest.raises(TypeError, match=r"field must be a raymap.Field, not a Surface"):
         sample(surface, points)
     with pytest.raises(raymap.UsageError, match="surface and vertices belong together"):
         sample(field, points, vertices=vertices)

@@ -27,10 +27,10 @@ between: npt.NDArray[np.float32] = field.sample([(0, 0, 0)], outside="nan") + fi
 with_winding: npt.NDArray[np.float32] = raymap.generate(mesh, resolution=16, arrays="winding").winding
 block: dict[str, npt.NDArray[np.float32]] = raymap.Sampler(mesh, 100, arrays="distance")[0]
 again_field: raymap.Field = prepared.generate(resolution=16, threads=1)
-band: raymap.SparseField = raymap.generate(mesh, resolution=16, band=(2, 3), sparse=True)
+band: raymap.Field = raymap.generate(mesh, resolution=16, band=(2, 3), sparse=True)
 band_picture: npt.NDArray[np.uint8] = band.render(width=32, height=24, cut=True, eye=(3, 1, 2), threads=1)
 band_slice: npt.NDArray[np.uint8] = band.slice("z", 3, width=32)
-values: npt.NDArray[np.float32] = prepared.generate(resolution=16, sparse=True).values
+values: npt.NDArray[np.float32] = prepared.generate(resolution=16, sparse=True).distance
 generator = raymap.Generator()
 again: raymap.Field = generator.generate(mesh.vertices, mesh.faces, voxel_size=0.2, threads=1)
 picture: npt.NDArray[np.uint8] = field.slice("z", width=64)

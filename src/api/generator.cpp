@@ -67,6 +67,7 @@ Stats Generator::generate(const MeshView& view, const Grid& grid, const FieldOpt
   Stats stats;
   try {
     checkOptions(grid, asked);
+    field.narrow.reset();
     if (view.triangleCount == 0 && asked.allowEmpty) {
       const size_t arrays = size_t{1} + asked.triangle + asked.winding + asked.confidence;
       stats.bytes = arrays * grid.sampleCount() * sizeof(float);

@@ -72,10 +72,8 @@ struct SurfaceShape {
   double insideReach;  ///< See `Surface::insideReach`.
 };
 
-/// A dense field or a narrow band.
-template <class AnyField>
 struct FieldShape {
-  explicit FieldShape(std::shared_ptr<const AnyField> given)
+  explicit FieldShape(std::shared_ptr<const Field> given)
       : field(std::move(given)),
         samples{field->grid.origin, field->grid.position(field->grid.dims - 1)},
         slack(slackOf(samples)),
@@ -89,13 +87,13 @@ struct FieldShape {
     return toBounds > slack ? lowered(toBounds, slack) : -INFINITY;
   }
 
-  std::shared_ptr<const AnyField> field;
+  std::shared_ptr<const Field> field;
   Box samples;     ///< Box of the samples.
   double slack;    ///< Bound on the rounding of positions and distances.
   bool isBounded;  ///< Whether the bounds of the surface are known, and no distance is NaN.
 };
 
-using Shape = std::variant<SurfaceShape, FieldShape<Field>, FieldShape<SparseField>>;
+using Shape = std::variant<SurfaceShape, FieldShape>;
 
 struct Body {
   std::string name;
@@ -121,8 +119,7 @@ void ask(const SurfaceShape& shape, const Buffer<glm::dvec3>& points, const Scen
   shape.surface->query(points, asked, answers.surface);
 }
 
-template <class AnyField>
-void ask(const FieldShape<AnyField>& shape, const Buffer<glm::dvec3>& points, const SceneOptions& options,
+void ask(const FieldShape& shape, const Buffer<glm::dvec3>& points, const SceneOptions& options,
          BodyAnswers& answers) {
   sample(*shape.field, points, {.gradients = options.closest || options.gradient}, answers.field);
 }
@@ -147,8 +144,7 @@ Answer answerAt(const SurfaceShape&, const BodyAnswers& answers, size_t i, const
   return answer;
 }
 
-template <class AnyField>
-Answer answerAt(const FieldShape<AnyField>&, const BodyAnswers& answers, size_t i, const glm::dmat4& pose,
+Answer answerAt(const FieldShape&, const BodyAnswers& answers, size_t i, const glm::dmat4& pose,
                 const glm::dvec3& point, const SceneOptions& options) {
   const Samples& found = answers.field;
   Answer answer{.distance = found.distance[i]};
@@ -338,12 +334,6 @@ struct Scene::Impl {
     return size_t(at - bodies.begin());
   }
   void add(std::string name, Shape shape, const glm::dmat4& pose);
-  template <class AnyField>
-  void addField(std::string name, std::shared_ptr<const AnyField> field, const glm::dmat4& pose) {
-    require(field != nullptr, "body '" + name + "' has no field");
-    validateField(*field);
-    add(std::move(name), FieldShape<AnyField>(std::move(field)), pose);
-  }
   /// Throws unless there are this many poses of each body, all of them rigid.
   void check(const Configurations& configurations) const;
 
@@ -391,11 +381,9 @@ void Scene::add(std::string name, std::shared_ptr<const Surface> surface, const 
 }
 
 void Scene::add(std::string name, std::shared_ptr<const Field> field, const glm::dmat4& pose) {
-  notMoved(impl_).addField(std::move(name), std::move(field), pose);
-}
-
-void Scene::add(std::string name, std::shared_ptr<const SparseField> field, const glm::dmat4& pose) {
-  notMoved(impl_).addField(std::move(name), std::move(field), pose);
+  require(field != nullptr, "body '" + name + "' has no field");
+  validateField(*field);
+  notMoved(impl_).add(std::move(name), FieldShape(std::move(field)), pose);
 }
 
 void Scene::remove(std::string_view name) {

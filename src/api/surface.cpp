@@ -157,11 +157,11 @@ std::vector<Thickness> Surface::thickness(std::span<const FacePoint> points, con
   return thickness;
 }
 
-SparseField Surface::generateBand(const Grid& grid, const BandOptions& options,
-                                  const MachineOptions& machine) const {
+Field Surface::generateBand(const Grid& grid, const BandOptions& options,
+                            const MachineOptions& machine) const {
   check(grid, options, notMoved(impl_).prepared.isSigned);
   Progress progress(machine.progress);
-  SparseField band;
+  Field band;
   withThreads(machine.threads, [&] {
     band =
         cpu::makeNarrowBand(notMoved(impl_).prepared, grid, options, notMoved(impl_).most(machine), progress);
@@ -169,7 +169,7 @@ SparseField Surface::generateBand(const Grid& grid, const BandOptions& options,
   band.surfaceBounds = notMoved(impl_).prepared.bounds;
   warnOfMisfit(stats(), machine.warn);
   const bool hasInside =
-      !band.tiles.empty() || std::ranges::any_of(band.distance, [](float d) { return d < 0.0f; });
+      !band.narrow->tiles.empty() || std::ranges::any_of(band.distance, [](float d) { return d < 0.0f; });
   if (isSigned() && !hasInside) warnOfNothingInside(notMoved(impl_).prepared.mesh, grid, machine);
   return band;
 }

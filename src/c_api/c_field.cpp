@@ -31,21 +31,15 @@ Outside outsideOf(const raymap_outside& outside) {
   }
 }
 
-/// Returns the data of an array that fields and narrow bands have; null if it is empty, or the handle is
-/// null.
+/// Returns the data of an array; null if it is empty, or the handle is null.
 template <class T>
-const T* dataOf(const raymap_field* field, Buffer<T> Field::*dense, Buffer<T> SparseField::*narrow) noexcept {
-  const Buffer<T>* values = nullptr;
-  if (field)
-    if (const auto* whole = std::get_if<Field>(&field->field)) values = &(whole->*dense);
-  if (field)
-    if (const auto* band = std::get_if<SparseField>(&field->field)) values = &(band->*narrow);
-  return values && !values->empty() ? values->data() : nullptr;
+const T* dataOf(const raymap_field* field, Buffer<T> Field::*array) noexcept {
+  return field && !(field->field.*array).empty() ? (field->field.*array).data() : nullptr;
 }
 
 /// Returns the narrow band of a handle; null if it is dense or null.
-const SparseField* bandOf(const raymap_field* field) {
-  return field ? std::get_if<SparseField>(&field->field) : nullptr;
+const NarrowBand* bandOf(const raymap_field* field) noexcept {
+  return field && field->field.narrow ? &*field->field.narrow : nullptr;
 }
 
 }  // namespace
@@ -83,38 +77,34 @@ raymap_result raymap_generator_run(raymap_generator* generator, const raymap_mes
     raymap_field& filled = need(field, "the field");
     const AllOptions& given = c::optionsOr(options);
     filled.stats = {};
-    if (bandOf(field)) filled.field = Field();
     filled.stats = need(generator, "the generator")
                        .generator.generate(need(mesh, "the mesh").view, c::fromC(need(grid, "the grid")),
-                                           given.field, std::get<Field>(filled.field), given.machine);
+                                           given.field, filled.field, given.machine);
   });
 }
 
 raymap_result raymap_field_grid(const raymap_field* field, raymap_grid* grid) {
-  return guard([&] {
-    need(grid, "the grid") = c::visitField(field, [](const auto& each) { return c::toC(each.grid); });
-  });
+  return guard([&] { need(grid, "the grid") = c::toC(c::fieldOf(field).grid); });
 }
 
 double raymap_field_clamp_distance(const raymap_field* field) {
-  if (const SparseField* band = bandOf(field)) return std::min(band->outside, band->inside);
-  return field ? std::get<Field>(field->field).clampDistance : 0.0;
+  return field ? field->field.clamp() : 0.0;
 }
 
 const float* raymap_field_distance(const raymap_field* field) {
-  return dataOf(field, &Field::distance, &SparseField::distance);
+  return dataOf(field, &Field::distance);
 }
 
 const uint32_t* raymap_field_triangle(const raymap_field* field) {
-  return dataOf(field, &Field::triangle, &SparseField::triangle);
+  return dataOf(field, &Field::triangle);
 }
 
 const float* raymap_field_winding(const raymap_field* field) {
-  return dataOf(field, &Field::winding, &SparseField::winding);
+  return dataOf(field, &Field::winding);
 }
 
 const float* raymap_field_confidence(const raymap_field* field) {
-  return dataOf(field, &Field::confidence, &SparseField::confidence);
+  return dataOf(field, &Field::confidence);
 }
 
 bool raymap_field_is_narrow(const raymap_field* field) {
@@ -122,8 +112,7 @@ bool raymap_field_is_narrow(const raymap_field* field) {
 }
 
 size_t raymap_field_leaf_count(const raymap_field* field) {
-  const SparseField* band = bandOf(field);
-  return band ? band->leaves.size() : 0;
+  return bandOf(field) ? bandOf(field)->leaves.size() : 0;
 }
 
 const int32_t* raymap_field_leaves(const raymap_field* field) {
@@ -131,38 +120,37 @@ const int32_t* raymap_field_leaves(const raymap_field* field) {
 }
 
 size_t raymap_field_tile_count(const raymap_field* field) {
-  const SparseField* band = bandOf(field);
-  return band ? band->tiles.size() : 0;
+  return bandOf(field) ? bandOf(field)->tiles.size() : 0;
 }
 
 const int32_t* raymap_field_tiles(const raymap_field* field) {
-  static_assert(sizeof(SparseField::Tile) == 4 * sizeof(int32_t));
+  static_assert(sizeof(NarrowBand::Tile) == 4 * sizeof(int32_t));
   return raymap_field_tile_count(field) > 0 ? &bandOf(field)->tiles[0].low.x : nullptr;
 }
 
 raymap_field* raymap_field_to_narrow(const raymap_field* field, const raymap_options* options) {
   return create([&] {
-    const Field& dense = c::needKind<Field>(field);
+    const raymap_field& dense = need(field, "the field");
     const AllOptions& given = c::optionsOr(options);
-    return c::ownField(toSparse(dense, given.band, given.machine), field->stats);
+    return c::ownField(toSparse(dense.field, given.band, given.machine), dense.stats);
   });
 }
 
 raymap_field* raymap_field_to_dense(const raymap_field* field, const raymap_options* options) {
   return create([&] {
-    const SparseField& band = c::needKind<SparseField>(field);
-    return c::ownField(toDense(band, c::optionsOr(options).machine), field->stats);
+    const raymap_field& band = need(field, "the field");
+    return c::ownField(toDense(band.field, c::optionsOr(options).machine), band.stats);
   });
 }
 
 char* raymap_field_json(const raymap_field* field) {
   return c::report([&] {
     nlohmann::ordered_json json = toJson(need(field, "the field").stats);
-    if (const SparseField* band = bandOf(field)) {
+    if (const NarrowBand* band = bandOf(field)) {
       json["outside"] = band->outside;
       json["inside"] = band->inside;  // Null if it is infinite.
-      json["active"] = band->activeCount();
-      json["bytes"] = band->bytes();
+      json["active"] = field->field.activeCount();
+      json["bytes"] = field->field.bytes();
     }
     return json;
   });
@@ -171,19 +159,16 @@ char* raymap_field_json(const raymap_field* field) {
 raymap_result raymap_field_sample(const raymap_field* field, const double* points, size_t count,
                                   raymap_outside outside, float* distances, float* gradients) {
   return guard([&] {
-    c::visitField(field, [&](const auto& sampled) {
-      if (count > 0) need(points, "the array of points");
-      sampleInto(sampled, {reinterpret_cast<const glm::dvec3*>(points), count}, outsideOf(outside), distances,
-                 reinterpret_cast<glm::vec3*>(gradients));
-    });
+    const Field& sampled = c::fieldOf(field);
+    if (count > 0) need(points, "the array of points");
+    sampleInto(sampled, {reinterpret_cast<const glm::dvec3*>(points), count}, outsideOf(outside), distances,
+               reinterpret_cast<glm::vec3*>(gradients));
   });
 }
 
 raymap_mesh* raymap_isosurface(const raymap_field* field, const raymap_options* options) {
   return create([&] {
     const AllOptions& given = c::optionsOr(options);
-    return c::visitField(field, [&](const auto& each) {
-      return c::ownMesh(isosurface(each, given.isosurface, given.machine));
-    });
+    return c::ownMesh(isosurface(c::fieldOf(field), given.isosurface, given.machine));
   });
 }

@@ -45,10 +45,7 @@ raymap_field* raymap_field_load(const char* path, const raymap_options* options)
 
 raymap_result raymap_field_write(const raymap_field* field, const char* path, const char* array) {
   return guard([&] {
-    const std::filesystem::path file = &need(path, "the path");
-    if (const auto* band = std::get_if<SparseField>(&need(field, "the field").field))
-      return writeBand(file, *band);
-    writeField(file, std::get<Field>(field->field),
+    writeField(&need(path, "the path"), c::fieldOf(field),
                {.array = array ? fromName<FieldArray>(array) : FieldArray::Distance});
   });
 }

@@ -15,7 +15,6 @@
 #include <new>
 #include <string>
 #include <utility>
-#include <variant>
 #include <vector>
 
 struct raymap_options {
@@ -29,7 +28,7 @@ struct raymap_mesh {
 };
 
 struct raymap_field {
-  std::variant<raymap::Field, raymap::SparseField> field;
+  raymap::Field field;
   raymap::Stats stats;
 };
 
@@ -117,26 +116,13 @@ inline const AllOptions& optionsOr(const raymap_options* options) {
   return options ? options->all : kDefaults;
 }
 
-/// Calls `use` with the dense field or the narrow band of a handle. Throws `Error(Usage)` if it is null.
-auto visitField(auto* handle, auto&& use) {
-  return std::visit(use, need(handle, "the field").field);
+/// Returns the field of a handle. Throws `Error(Usage)` if that is null.
+inline const Field& fieldOf(const raymap_field* handle) {
+  return need(handle, "the field").field;
 }
 
-/// Returns the field or the narrow band of a handle. Throws `Error(Usage)` if the handle is null, or has the
-/// other of both.
-template <class Kind>
-const Kind& needKind(const raymap_field* handle) {
-  const Kind* field = std::get_if<Kind>(&need(handle, "the field").field);
-  if (field) return *field;
-  constexpr bool kIsDense = std::is_same_v<Kind, Field>;
-  throw Error(ErrorCode::Usage, kIsDense
-                                    ? "the field is a narrow band; make it dense with raymap_field_to_dense"
-                                    : "the field is dense; make a band of it with raymap_field_to_narrow");
-}
-
-/// Returns a handle that owns a field or a narrow band.
-template <class Kind>
-std::unique_ptr<raymap_field> ownField(Kind field, Stats stats = {}) {
+/// Returns a handle that owns a field.
+inline std::unique_ptr<raymap_field> ownField(Field field, Stats stats = {}) {
   return std::make_unique<raymap_field>(raymap_field{std::move(field), std::move(stats)});
 }
 

@@ -22,8 +22,7 @@ std::unique_ptr<raymap_picture> ownPicture(Picture picture) {
 raymap_picture* raymap_render_field(const raymap_field* field, const raymap_options* options) {
   return create([&] {
     const AllOptions& given = c::optionsOr(options);
-    return c::visitField(
-        field, [&](const auto& each) { return ownPicture(renderField(each, given.render, given.machine)); });
+    return ownPicture(renderField(c::fieldOf(field), given.render, given.machine));
   });
 }
 
@@ -38,9 +37,7 @@ raymap_picture* raymap_render_slice(const raymap_field* field, int32_t axis, int
                                     const raymap_options* options) {
   return create([&] {
     const RenderOptions& given = c::optionsOr(options).render;
-    return c::visitField(field, [&](const auto& each) {
-      return ownPicture(renderSlice(each, axis, index, given.width, given.array));
-    });
+    return ownPicture(renderSlice(c::fieldOf(field), axis, index, given.width, given.array));
   });
 }
 
@@ -71,8 +68,7 @@ raymap_result raymap_write_page(const raymap_field* field, const char* path, con
     const AllOptions& given = c::optionsOr(options);
     PageOptions page = given.page;
     if (mesh) page.mesh = mesh->view;
-    if (other) page.other = std::get_if<Field>(&other->field);
-    if (other) page.otherBand = std::get_if<SparseField>(&other->field);
-    c::visitField(field, [&](const auto& each) { writePage(path, each, given.render, page, given.machine); });
+    if (other) page.other = &other->field;
+    writePage(path, c::fieldOf(field), given.render, page, given.machine);
   });
 }

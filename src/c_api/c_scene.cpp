@@ -65,7 +65,7 @@ raymap_result raymap_scene_add_surface(raymap_scene* scene, const char* name, co
 
 raymap_result raymap_scene_add_field(raymap_scene* scene, const char* name, const raymap_field* field,
                                      const double pose[16]) {
-  return guard([&] { c::visitField(field, [&](const auto& each) { add(scene, name, each, pose); }); });
+  return guard([&] { add(scene, name, c::fieldOf(field), pose); });
 }
 
 raymap_result raymap_scene_remove(raymap_scene* scene, const char* name) {

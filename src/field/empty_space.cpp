@@ -21,15 +21,15 @@ void forEachCube(const glm::ivec3& dims, bool isReversed, Visit&& visit) {
 
 }  // namespace
 
-EmptySpace::EmptySpace(const SparseField& band) {
+EmptySpace::EmptySpace(const Field& band) {
   const glm::ivec3 dims = band.grid.dims;
   const int longest = std::max({dims.x, dims.y, dims.z});
-  bits_ = std::bit_width(uint32_t(SparseField::kLeafSide) - 1);
+  bits_ = std::bit_width(uint32_t(NarrowBand::kLeafSide) - 1);
   while ((longest - 1) >> bits_ >= kMostCubes) ++bits_;
   dims_ = ((dims - 1) >> bits_) + 1;
   away_.assign(size_t(dims_.x) * size_t(dims_.y) * size_t(dims_.z), kFarthest);
-  for (const glm::ivec3& leaf : band.leaves) markFilled(leaf, leaf);
-  for (const SparseField::Tile& tile : band.tiles)
+  for (const glm::ivec3& leaf : band.narrow->leaves) markFilled(leaf, leaf);
+  for (const NarrowBand::Tile& tile : band.narrow->tiles)
     markFilled(tile.low, glm::min(tile.low + (tile.side - 1), dims - 1));
   measure();
 }

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <raymap/sparse_field.h>
+#include <raymap/narrow_band.h>
 
 #include <cstdint>
 #include <optional>
@@ -18,7 +18,7 @@ struct SampleBox {
 class EmptySpace {
  public:
   /// The band must be valid.
-  explicit EmptySpace(const SparseField& band);
+  explicit EmptySpace(const Field& band);
 
   /// Returns a box around a sample on the lattice without leaves and tiles: all its samples are outside. None
   /// near leaves and tiles. The box may reach beyond the lattice.

@@ -46,14 +46,16 @@ void validateGrid(const Grid& grid) {
   require(problem.empty(), problem);
 }
 
-void validateField(const Field& field) {
-  validateArray(field, FieldArray::Distance);
-}
-
 void validateArray(const Field& field, FieldArray array) {
   requireKnown(array, FieldArray::Triangle, "array");
   const std::string values = valuesOf(array);
   const size_t count = array == FieldArray::Triangle ? field.triangle.size() : numbersOf(field, array).size();
+  if (field.narrow) {
+    validate(field);
+    require(array == FieldArray::Distance || count > 0,
+            "the narrow band has no " + values + "; ask for them in the options of the band");
+    return;
+  }
   if (count == 0) throw Error(ErrorCode::Usage, "the field is empty: it has no " + values);
   validateGrid(field.grid);
   if (count != field.grid.sampleCount())
@@ -62,13 +64,12 @@ void validateArray(const Field& field, FieldArray array) {
                                       " samples");
 }
 
-void validateArray(const SparseField& band, FieldArray array) {
-  requireKnown(array, FieldArray::Triangle, "array");
-  validate(band);
-  const bool isThere = array == FieldArray::Triangle   ? !band.triangle.empty()
-                       : array == FieldArray::Distance ? true
-                                                       : !numbersOf(band, array).empty();
-  require(isThere, "the narrow band has no " + valuesOf(array) + "; ask for them in the options of the band");
+void requireDense(const Field& field) {
+  require(!field.narrow, "the field is a narrow band, and a dense one is needed; make it dense first");
+}
+
+void requireNarrow(const Field& field) {
+  require(field.narrow.has_value(), "the field is dense, and a narrow band is needed; make it one first");
 }
 
 }  // namespace raymap

@@ -1,7 +1,7 @@
 #pragma once
 
+#include <raymap/narrow_band.h>
 #include <raymap/sample.h>
-#include <raymap/sparse_field.h>
 
 #include <algorithm>
 #include <array>
@@ -19,18 +19,17 @@ namespace raymap {
 std::string placeProblem(const Grid& grid);
 /// Throws `Error(Usage)` unless the grid has samples and no problem with its place.
 void validateGrid(const Grid& grid);
-/// Throws `Error(Usage)` unless the grid is valid and the field has one distance per sample.
+/// Throws `Error(Usage)` unless the grid is valid and the field has one distance per sample, or of a narrow
+/// band 512 of each array per leaf. Does not look at the leaves.
 void validateField(const Field& field);
-
-/// Throws `Error(Usage)` unless the grid is valid and the field has one value of this array per sample.
+/// Throws `Error(Usage)` unless the grid is valid and the field has one value of this array per sample, or is
+/// a narrow band with this array for which `validate` throws nothing.
 void validateArray(const Field& field, FieldArray array);
-/// Throws `Error(Usage)` unless the grid is valid, and each array that is not empty has 512 values per leaf.
-void validateField(const SparseField& band);
-/// Throws `Error(Usage)` as `validate` does, and unless the band has this array.
-void validateArray(const SparseField& band, FieldArray array);
+// Throw `Error(Usage)` for a field of the other kind.
+void requireDense(const Field& field);
+void requireNarrow(const Field& field);
 /// Returns an array of numbers: any but the triangles.
-template <class AnyField>
-const Buffer<float>& numbersOf(const AnyField& field, FieldArray array) {
+inline const Buffer<float>& numbersOf(const Field& field, FieldArray array) {
   return array == FieldArray::Winding      ? field.winding
          : array == FieldArray::Confidence ? field.confidence
                                            : field.distance;
@@ -39,8 +38,6 @@ const Buffer<float>& numbersOf(const AnyField& field, FieldArray array) {
 /// Computes the distances and the gradients at all points; null = not wanted. See raymap/sample.h. Throws
 /// `Error(Usage)` as `validateField` does.
 void sampleInto(const Field& field, std::span<const glm::dvec3> points, Outside outside, float* distance,
-                glm::vec3* gradient);
-void sampleInto(const SparseField& band, std::span<const glm::dvec3> points, Outside outside, float* distance,
                 glm::vec3* gradient);
 
 /// Interpolates the samples of a narrow band, as `Trilinear` those of a dense field. `Reader` finds blocks.
@@ -134,7 +131,7 @@ class FieldSampler : public Sampler<Trilinear<double>> {
 
 class SparseSampler : public Sampler<SparseTrilinear<SparseReader>> {
  public:
-  explicit SparseSampler(const SparseField& band)
+  explicit SparseSampler(const Field& band)
       : Sampler({band.grid.dims, SparseReader(band, glm::ivec3(0))}, band.grid.spacing) {}
 };
 

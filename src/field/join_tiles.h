@@ -1,6 +1,6 @@
 #pragma once
 
-#include <raymap/sparse_field.h>
+#include <raymap/narrow_band.h>
 
 #include <algorithm>
 #include <cstddef>
@@ -12,7 +12,7 @@ namespace raymap {
 
 /// Adds the next tile along the curve to those of a lattice. Joins tiles that fill a larger cube; parts of it
 /// beyond the lattice do not count. So equal insides have equal tiles.
-inline void addTile(std::vector<SparseField::Tile>& tiles, const SparseField::Tile& tile,
+inline void addTile(std::vector<NarrowBand::Tile>& tiles, const NarrowBand::Tile& tile,
                     const glm::ivec3& dims) {
   tiles.push_back(tile);
   for (;;) {
@@ -23,7 +23,7 @@ inline void addTile(std::vector<SparseField::Tile>& tiles, const SparseField::Ti
     for (int axis = 0; axis < 3; ++axis)
       if (low[axis] + side < dims[axis]) parts *= 2;
     // As many tiles of this size, the first of them at the corner, are all parts of the larger cube.
-    const auto isOfThisSize = [&](const SparseField::Tile& each) { return each.side == side; };
+    const auto isOfThisSize = [&](const NarrowBand::Tile& each) { return each.side == side; };
     if (tiles.size() < parts || tiles[tiles.size() - parts].low != low ||
         !std::all_of(tiles.end() - static_cast<std::ptrdiff_t>(parts), tiles.end(), isOfThisSize))
       return;
@@ -33,10 +33,10 @@ inline void addTile(std::vector<SparseField::Tile>& tiles, const SparseField::Ti
 }
 
 /// Orders tiles along the curve, and joins them.
-inline std::vector<SparseField::Tile> joined(std::vector<SparseField::Tile> tiles, const glm::ivec3& dims) {
-  std::ranges::sort(tiles, comesBefore, &SparseField::Tile::low);
-  std::vector<SparseField::Tile> result;
-  for (const SparseField::Tile& tile : tiles) addTile(result, tile, dims);
+inline std::vector<NarrowBand::Tile> joined(std::vector<NarrowBand::Tile> tiles, const glm::ivec3& dims) {
+  std::ranges::sort(tiles, comesBefore, &NarrowBand::Tile::low);
+  std::vector<NarrowBand::Tile> result;
+  for (const NarrowBand::Tile& tile : tiles) addTile(result, tile, dims);
   return result;
 }
 

@@ -14,13 +14,14 @@ int bitsOf(const glm::ivec3& dims) {
 
 }  // namespace
 
-LeafTree::LeafTree(const SparseField& band) : band_(band), rootBits_(kSlotBits), nodes_(1) {
-  static_assert(SparseField::kLeafSide == 1 << kSlotBits);
+LeafTree::LeafTree(const Field& band) : band_(band), rootBits_(kSlotBits), nodes_(1) {
+  static_assert(NarrowBand::kLeafSide == 1 << kSlotBits);
   while (rootBits_ + kSlotBits < bitsOf(band.grid.dims)) rootBits_ += kSlotBits;
   nodes_[0].fill(kOutside);
-  for (size_t leaf = 0; leaf < band.leaves.size(); ++leaf)
-    nodeWith(band.leaves[leaf], kSlotBits)[placeOf(band.leaves[leaf], kSlotBits)] = int64_t(leaf);
-  for (const SparseField::Tile& tile : band.tiles) addTile(tile);
+  for (size_t leaf = 0; leaf < band.narrow->leaves.size(); ++leaf)
+    nodeWith(band.narrow->leaves[leaf], kSlotBits)[placeOf(band.narrow->leaves[leaf], kSlotBits)] =
+        int64_t(leaf);
+  for (const NarrowBand::Tile& tile : band.narrow->tiles) addTile(tile);
 }
 
 /// Returns the node of a sample whose slots have 2^bits samples along a side. Makes those that are missing.
@@ -39,7 +40,7 @@ LeafTree::Node& LeafTree::nodeWith(const glm::ivec3& sample, int bits) {
 
 /// Fills the largest slots that a tile holds. They lie in one node, because a tile begins at multiples of its
 /// side.
-void LeafTree::addTile(const SparseField::Tile& tile) {
+void LeafTree::addTile(const NarrowBand::Tile& tile) {
   const int tileBits = std::countr_zero(uint32_t(tile.side));
   const int bits = std::min(tileBits / kSlotBits * kSlotBits, rootBits_);
   const int count = std::min(1 << (tileBits - bits), 1 << kSlotBits), side = 1 << bits;

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <raymap/sparse_field.h>
+#include <raymap/narrow_band.h>
 
 #include <array>
 #include <cstdint>
@@ -19,13 +19,13 @@ class LeafTree {
   struct EmptyCube {
     glm::ivec3 low;  ///< Its first sample.
     int32_t side;    ///< Number of samples along its side.
-    float distance;  ///< The distance of all its samples, as `SparseField::distanceAt` gives it.
+    float distance;  ///< The distance of all its samples, as `Field::distanceAt` gives it.
   };
 
   /// Keeps a reference to the band, which must be valid. Its distances may change, its leaves may not.
-  explicit LeafTree(const SparseField& band);
+  explicit LeafTree(const Field& band);
 
-  const SparseField& band() const { return band_; }
+  const Field& band() const { return band_; }
 
   /// Returns the place of a sample's values, or a negative number if it lies in no leaf. The sample must not
   /// be negative.
@@ -59,17 +59,17 @@ class LeafTree {
     return (((size_t(at.z) << kSlotBits) + size_t(at.y)) << kSlotBits) + size_t(at.x);
   }
   float distanceOf(int64_t side) const {
-    return side == kInside ? -float(band_.inside) : float(band_.outside);
+    return side == kInside ? -float(band_.narrow->inside) : float(band_.narrow->outside);
   }
   Slot slotOf(const glm::ivec3& sample) const;
   static SparseBlock leafBlock(int64_t leaf, const Buffer<float>& numbers, float elsewhere) {
     if (leaf < 0) return {nullptr, elsewhere};
-    return {numbers.data() + size_t(leaf) * SparseField::kLeafSamples, 0.0f};
+    return {numbers.data() + size_t(leaf) * NarrowBand::kLeafSamples, 0.0f};
   }
   Node& nodeWith(const glm::ivec3& sample, int bits);
-  void addTile(const SparseField::Tile& tile);
+  void addTile(const NarrowBand::Tile& tile);
 
-  const SparseField& band_;
+  const Field& band_;
   int rootBits_;
   std::vector<Node> nodes_;
 };
@@ -84,7 +84,7 @@ inline LeafTree::Slot LeafTree::slotOf(const glm::ivec3& sample) const {
 
 inline int64_t LeafTree::find(const glm::ivec3& sample) const {
   const int64_t leaf = slotOf(sample).content;
-  return leaf < 0 ? leaf : leaf * int64_t(SparseField::kLeafSamples) + int64_t(placeOf(sample, 0));
+  return leaf < 0 ? leaf : leaf * int64_t(NarrowBand::kLeafSamples) + int64_t(placeOf(sample, 0));
 }
 
 inline SparseBlock LeafTree::blockWith(const glm::ivec3& sample) const {

@@ -2,7 +2,6 @@
 
 #include <cmath>
 #include <limits>
-#include <utility>
 
 #include "base/parallel.h"
 #include "base/require.h"
@@ -28,36 +27,16 @@ float roundDown(double bound) {
   return double(rounded) > bound ? std::nextafter(rounded, -INFINITY) : rounded;
 }
 
-// Functions that a sampler calls on dense fields and narrow bands alike.
-
-FieldSampler samplerOf(const Field& field) {
-  return FieldSampler(field);
-}
-SparseSampler samplerOf(const SparseField& band) {
-  return SparseSampler(band);
-}
-
-double clampDistanceOf(const Field& field) {
-  return field.clampDistance;
-}
-
-float valueAt(const Field& field, const glm::ivec3& sample) {
-  return field.distance[field.grid.index(sample)];
-}
-float valueAt(const SparseField& band, const glm::ivec3& sample) {
-  return band.distanceAt(sample);
-}
-
-/// Samples in the box and outside it. `AnyField` is a dense field or a narrow band.
-template <class AnyField>
+/// Samples in the box and outside it. `Between` interpolates a dense field or a narrow band.
+template <class Between>
 class PointSampler {
  public:
-  PointSampler(const AnyField& field, Outside outside)
+  PointSampler(const Field& field, Outside outside)
       : grid_(field.grid),
         isNaN_(isNaN(outside)),
-        between_(samplerOf(field)),
-        bound_(field.grid, field.surfaceBounds, clampDistanceOf(field)),
-        read_([&field](const glm::ivec3& sample) { return valueAt(field, sample); }) {}
+        between_(field),
+        bound_(field.grid, field.surfaceBounds, field.clamp()),
+        read_([&field](const glm::ivec3& sample) { return field.distanceAt(sample); }) {}
 
   double distance(const glm::dvec3& point) const {
     const glm::dvec3 p = toSamples(point);
@@ -78,77 +57,39 @@ class PointSampler {
 
   const Grid& grid_;
   bool isNaN_;
-  decltype(samplerOf(std::declval<const AnyField&>())) between_;
+  Between between_;
   OutsideBound bound_;
   OutsideBound::Read read_;
 };
 
-template <class AnyField>
-void samplePoints(const AnyField& field, std::span<const glm::dvec3> points, Outside outside, float* distance,
-                  glm::vec3* gradient) {
+/// Checks a field, and calls `use` with its sampler.
+template <class Use>
+auto withSampler(const Field& field, Outside outside, Use&& use) {
   validateField(field);
-  const PointSampler sampler(field, outside);
-  parallelFor(points.size(), kPointsPerTask, [&](size_t begin, size_t end) {
-    for (size_t i = begin; i < end; ++i) {
-      if (distance) distance[i] = sampler.shortDistance(points[i]);
-      if (gradient) gradient[i] = glm::vec3(sampler.gradient(points[i]));
-    }
-  });
-}
-
-template <class AnyField>
-void sampleAll(const AnyField& field, std::span<const glm::dvec3> points, const SampleOptions& options,
-               Samples& result, const MachineOptions& machine) {
-  result.distance.resizeUninitialized(points.size());
-  result.gradient.resizeUninitialized(options.gradients ? points.size() : 0);
-  withThreads(machine.threads, [&] {
-    samplePoints(field, points, options.outside, result.distance.data(),
-                 options.gradients ? result.gradient.data() : nullptr);
-  });
+  return field.narrow ? use(PointSampler<SparseSampler>(field, outside))
+                      : use(PointSampler<FieldSampler>(field, outside));
 }
 
 }  // namespace
 
 double distanceAt(const Field& field, const glm::dvec3& point, Outside outside) {
-  validateField(field);
-  return PointSampler(field, outside).distance(point);
-}
-
-double distanceAt(const SparseField& band, const glm::dvec3& point, Outside outside) {
-  validateField(band);
-  return PointSampler(band, outside).distance(point);
+  return withSampler(field, outside, [&](const auto& sampler) { return sampler.distance(point); });
 }
 
 glm::dvec3 gradientAt(const Field& field, const glm::dvec3& point, Outside outside) {
-  validateField(field);
-  return PointSampler(field, outside).gradient(point);
-}
-
-glm::dvec3 gradientAt(const SparseField& band, const glm::dvec3& point, Outside outside) {
-  validateField(band);
-  return PointSampler(band, outside).gradient(point);
+  return withSampler(field, outside, [&](const auto& sampler) { return sampler.gradient(point); });
 }
 
 void sampleInto(const Field& field, std::span<const glm::dvec3> points, Outside outside, float* distance,
                 glm::vec3* gradient) {
-  samplePoints(field, points, outside, distance, gradient);
-}
-
-void sampleInto(const SparseField& band, std::span<const glm::dvec3> points, Outside outside, float* distance,
-                glm::vec3* gradient) {
-  samplePoints(band, points, outside, distance, gradient);
-}
-
-Samples sample(const SparseField& band, std::span<const glm::dvec3> points, const SampleOptions& options,
-               const MachineOptions& machine) {
-  Samples result;
-  sample(band, points, options, result, machine);
-  return result;
-}
-
-void sample(const SparseField& band, std::span<const glm::dvec3> points, const SampleOptions& options,
-            Samples& result, const MachineOptions& machine) {
-  sampleAll(band, points, options, result, machine);
+  withSampler(field, outside, [&](const auto& sampler) {
+    parallelFor(points.size(), kPointsPerTask, [&](size_t begin, size_t end) {
+      for (size_t i = begin; i < end; ++i) {
+        if (distance) distance[i] = sampler.shortDistance(points[i]);
+        if (gradient) gradient[i] = glm::vec3(sampler.gradient(points[i]));
+      }
+    });
+  });
 }
 
 Samples sample(const Field& field, std::span<const glm::dvec3> points, const SampleOptions& options,
@@ -160,7 +101,12 @@ Samples sample(const Field& field, std::span<const glm::dvec3> points, const Sam
 
 void sample(const Field& field, std::span<const glm::dvec3> points, const SampleOptions& options,
             Samples& result, const MachineOptions& machine) {
-  sampleAll(field, points, options, result, machine);
+  result.distance.resizeUninitialized(points.size());
+  result.gradient.resizeUninitialized(options.gradients ? points.size() : 0);
+  withThreads(machine.threads, [&] {
+    sampleInto(field, points, options.outside, result.distance.data(),
+               options.gradients ? result.gradient.data() : nullptr);
+  });
 }
 
 }  // namespace raymap

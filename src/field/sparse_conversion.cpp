@@ -1,7 +1,7 @@
 // Narrow bands from dense fields, and the reverse.
 
 #include <raymap/error.h>
-#include <raymap/sparse_field.h>
+#include <raymap/narrow_band.h>
 
 #include <algorithm>
 #include <cmath>
@@ -22,8 +22,8 @@ namespace raymap {
 
 namespace {
 
-constexpr int kSide = SparseField::kLeafSide;
-constexpr size_t kLeafSamples = SparseField::kLeafSamples;
+constexpr int kSide = NarrowBand::kLeafSide;
+constexpr size_t kLeafSamples = NarrowBand::kLeafSamples;
 constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
 /// Share by which a band may exceed the distance at which a field is clamped, for rounding.
 constexpr double kWidthRounding = 1e-6;
@@ -59,7 +59,7 @@ void fillWith(Buffer<Number>& array, size_t count, Number value) {
   });
 }
 
-void checkDenseMemory(const SparseField& band, const Region& region, const MachineOptions& machine) {
+void checkDenseMemory(const Field& band, const Region& region, const MachineOptions& machine) {
   const glm::dvec3 dims(region.size);
   const int arrays = 1 + (band.triangle.empty() ? 0 : 1) + (band.winding.empty() ? 0 : 1) +
                      (band.confidence.empty() ? 0 : 1);
@@ -71,30 +71,29 @@ void checkDenseMemory(const SparseField& band, const Region& region, const Machi
 
 /// Copies the values of all leaves to the field of a region.
 template <class Number>
-void copyLeaves(const SparseField& band, const Buffer<Number>& from, const Region& region,
-                Buffer<Number>& to) {
-  parallelFor(band.leaves.size(), 64, [&](size_t begin, size_t end) {
+void copyLeaves(const Field& band, const Buffer<Number>& from, const Region& region, Buffer<Number>& to) {
+  parallelFor(band.narrow->leaves.size(), 64, [&](size_t begin, size_t end) {
     for (size_t leaf = begin; leaf < end; ++leaf)
-      forEachRow(region, band.leaves[leaf], kSide, [&](size_t first, size_t within, size_t count) {
+      forEachRow(region, band.narrow->leaves[leaf], kSide, [&](size_t first, size_t within, size_t count) {
         std::copy_n(from.data() + leaf * kLeafSamples + within, count, to.data() + first);
       });
   });
 }
 
 template <class Number>
-void spread(const SparseField& band, const Buffer<Number>& from, Number elsewhere, const Region& region,
+void spread(const Field& band, const Buffer<Number>& from, Number elsewhere, const Region& region,
             Buffer<Number>& to) {
   if (from.empty()) return;
   fillWith(to, Grid{.dims = region.size}.sampleCount(), elsewhere);
   copyLeaves(band, from, region, to);
 }
 
-void makeDense(const SparseField& band, const Region& region, Field& field) {
-  fillWith(field.distance, field.grid.sampleCount(), float(band.outside));
-  parallelFor(band.tiles.size(), 1, [&](size_t t, size_t) {
-    const SparseField::Tile& tile = band.tiles[t];
+void makeDense(const Field& band, const Region& region, Field& field) {
+  fillWith(field.distance, field.grid.sampleCount(), float(band.narrow->outside));
+  parallelFor(band.narrow->tiles.size(), 1, [&](size_t t, size_t) {
+    const NarrowBand::Tile& tile = band.narrow->tiles[t];
     forEachRow(region, tile.low, tile.side, [&](size_t first, size_t, size_t count) {
-      std::fill_n(field.distance.data() + first, count, -float(band.inside));
+      std::fill_n(field.distance.data() + first, count, -float(band.narrow->inside));
     });
   });
   copyLeaves(band, band.distance, region, field.distance);
@@ -113,6 +112,7 @@ void checkWidth(const Field& field, double width, const char* side) {
 }
 
 void check(const Field& field, const BandOptions& options) {
+  requireDense(field);
   validateField(field);
   require(std::isfinite(options.outside), "the band outside must be finite");
   checkWidth(field, options.outside, "outside");
@@ -127,12 +127,13 @@ class SparseMaker {
  public:
   SparseMaker(const Field& field, const BandOptions& options) : field_(field), options_(options) {
     band_.grid = field.grid;
-    band_.outside = options.outside * field.grid.spacing;
-    band_.inside = options.inside * field.grid.spacing;
+    band_.narrow.emplace();
+    band_.narrow->outside = options.outside * field.grid.spacing;
+    band_.narrow->inside = options.inside * field.grid.spacing;
     band_.surfaceBounds = field.surfaceBounds;
   }
 
-  SparseField make(uint64_t most) {
+  Field make(uint64_t most) {
     const std::vector<glm::ivec3> blocks = blocksInOrder();
     std::vector<Kind> kinds(blocks.size());
     parallelFor(blocks.size(), 64, [&](size_t begin, size_t end) {
@@ -141,7 +142,7 @@ class SparseMaker {
     std::vector<glm::ivec3> leaves;
     for (size_t b = 0; b < blocks.size(); ++b) {
       if (kinds[b] == Kind::Leaf) leaves.push_back(blocks[b]);
-      if (kinds[b] == Kind::Inside) addTile(band_.tiles, {blocks[b], kSide}, band_.grid.dims);
+      if (kinds[b] == Kind::Inside) addTile(band_.narrow->tiles, {blocks[b], kSide}, band_.grid.dims);
     }
     fill(leaves, most);
     return std::move(band_);
@@ -161,7 +162,7 @@ class SparseMaker {
   }
 
   float clamped(float distance) const {
-    return float(std::clamp(double(distance), -band_.inside, band_.outside));
+    return float(std::clamp(double(distance), -band_.narrow->inside, band_.narrow->outside));
   }
 
   Kind kindOf(const glm::ivec3& low) const {
@@ -170,7 +171,7 @@ class SparseMaker {
       for (size_t i = first; i < first + count; ++i) {
         if (std::isnan(field_.distance[i])) throwNaN(i);
         const float value = clamped(field_.distance[i]);
-        isActive |= band_.isActive(value);
+        isActive |= band_.narrow->isActive(value);
         (value < 0.0f ? hasInside : hasOutside) = true;
       }
     });
@@ -190,23 +191,24 @@ class SparseMaker {
     const size_t arrays =
         1 + (options_.triangle ? 1 : 0) + (options_.winding ? 1 : 0) + (options_.confidence ? 1 : 0);
     checkFieldMemory(leaves.size() * (sizeof(glm::ivec3) + arrays * sizeof(float) * kLeafSamples), most);
-    band_.leaves.resizeUninitialized(leaves.size());
-    std::ranges::copy(leaves, band_.leaves.begin());
-    gather(field_.distance, float(band_.outside), band_.distance, [this](float d) { return clamped(d); });
+    band_.narrow->leaves.resizeUninitialized(leaves.size());
+    std::ranges::copy(leaves, band_.narrow->leaves.begin());
+    gather(field_.distance, float(band_.narrow->outside), band_.distance,
+           [this](float d) { return clamped(d); });
     const auto same = [](auto value) { return value; };
     if (options_.triangle) gather(field_.triangle, kNoTriangle, band_.triangle, same);
     if (options_.winding) gather(field_.winding, 0.0f, band_.winding, same);
     if (options_.confidence) gather(field_.confidence, 0.0f, band_.confidence, same);
     for (size_t i = 0; i < band_.triangle.size(); ++i)
-      if (!band_.isActive(band_.distance[i])) band_.triangle[i] = kNoTriangle;
+      if (!band_.narrow->isActive(band_.distance[i])) band_.triangle[i] = kNoTriangle;
   }
 
   template <class Number, class Convert>
   void gather(const Buffer<Number>& from, Number beyond, Buffer<Number>& to, Convert&& convert) const {
-    fillWith(to, band_.leaves.size() * kLeafSamples, beyond);
-    parallelFor(band_.leaves.size(), 64, [&](size_t begin, size_t end) {
+    fillWith(to, band_.narrow->leaves.size() * kLeafSamples, beyond);
+    parallelFor(band_.narrow->leaves.size(), 64, [&](size_t begin, size_t end) {
       for (size_t leaf = begin; leaf < end; ++leaf)
-        forEachRow(wholeOf(field_.grid), band_.leaves[leaf], kSide,
+        forEachRow(wholeOf(field_.grid), band_.narrow->leaves[leaf], kSide,
                    [&](size_t first, size_t within, size_t count) {
                      std::transform(from.data() + first, from.data() + first + count,
                                     to.data() + leaf * kLeafSamples + within, convert);
@@ -216,16 +218,17 @@ class SparseMaker {
 
   const Field& field_;
   const BandOptions& options_;
-  SparseField band_;
+  Field band_;
 };
 
 }  // namespace
 
-Field toDense(const SparseField& band, const MachineOptions& machine) {
+Field toDense(const Field& band, const MachineOptions& machine) {
   return toDense(band, wholeOf(band.grid), machine);
 }
 
-Field toDense(const SparseField& band, const Region& region, const MachineOptions& machine) {
+Field toDense(const Field& band, const Region& region, const MachineOptions& machine) {
+  requireNarrow(band);
   validate(band);
   require(glm::all(glm::greaterThanEqual(region.low, glm::ivec3(0))) &&
               glm::all(glm::greaterThan(region.size, glm::ivec3(0))) &&
@@ -233,15 +236,15 @@ Field toDense(const SparseField& band, const Region& region, const MachineOption
           "the region must hold samples, and lie on the band's lattice");
   checkDenseMemory(band, region, machine);
   Field field{.grid = {region.size, band.grid.position(region.low), band.grid.spacing},
-              .clampDistance = clampDistanceOf(band),
+              .clampDistance = band.clamp(),
               .surfaceBounds = band.surfaceBounds};
   withThreads(machine.threads, [&] { makeDense(band, region, field); });
   return field;
 }
 
-SparseField toSparse(const Field& field, const BandOptions& options, const MachineOptions& machine) {
+Field toSparse(const Field& field, const BandOptions& options, const MachineOptions& machine) {
   check(field, options);
-  SparseField band;
+  Field band;
   withThreads(machine.threads, [&] { band = SparseMaker(field, options).make(limitOf(machine)); });
   return band;
 }

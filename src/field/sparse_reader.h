@@ -1,8 +1,8 @@
 #pragma once
 
-#include <raymap/sparse_field.h>
+#include <raymap/field.h>
 
-#include <algorithm>
+#include <optional>
 
 namespace raymap {
 
@@ -13,25 +13,21 @@ struct SparseBlock {
 
   /// Returns the number of a sample of the block.
   float at(const glm::ivec3& sample) const {
-    constexpr int kSide = SparseField::kLeafSide;
+    constexpr int kSide = NarrowBand::kLeafSide;
     const glm::ivec3 within = sample & (kSide - 1);
     return values ? values[(within.z * kSide + within.y) * kSide + within.x] : constant;
   }
 };
 
-/// Returns `Field::clampDistance` of a narrow band: distances below it are never clamped.
-inline double clampDistanceOf(const SparseField& band) {
-  return std::min(band.inside, band.outside);
-}
-
 /// Returns the first sample of the block of a sample, which may be negative.
 inline glm::ivec3 blockOf(const glm::ivec3& sample) {
-  return sample & ~(SparseField::kLeafSide - 1);
+  return sample & ~(NarrowBand::kLeafSide - 1);
 }
 
 /// Returns the block whose first sample this is.
-inline SparseBlock blockAt(const SparseField& band, const glm::ivec3& low) {
-  if (const std::optional<size_t> place = band.find(low)) return {band.distance.data() + *place, 0.0f};
+inline SparseBlock blockAt(const Field& band, const glm::ivec3& low) {
+  if (const std::optional<size_t> place = band.narrow->find(low))
+    return {band.distance.data() + *place, 0.0f};
   return {nullptr, band.distanceAt(low)};
 }
 
@@ -40,7 +36,7 @@ inline SparseBlock blockAt(const SparseField& band, const glm::ivec3& low) {
 class SparseReader {
  public:
   /// `first` lies in the block of the sample that is read first.
-  SparseReader(const SparseField& band, const glm::ivec3& first)
+  SparseReader(const Field& band, const glm::ivec3& first)
       : band_(band), low_(blockOf(first)), block_(blockAt(band, low_)) {}
 
   float operator()(const glm::ivec3& sample) { return blockWith(sample).at(sample); }
@@ -55,7 +51,7 @@ class SparseReader {
   }
 
  private:
-  const SparseField& band_;
+  const Field& band_;
   glm::ivec3 low_;
   SparseBlock block_;
 };

@@ -5,7 +5,6 @@
 #include <array>
 #include <ostream>
 #include <span>
-#include <variant>
 
 #include "base/text.h"
 #include "field/field_sampler.h"
@@ -25,11 +24,10 @@ struct Format {
   void (*write)(std::ostream& out, const Field& field, const NamedArray& array);
   bool goesBack = false;  ///< Whether the writer goes back in its stream.
   // Reader and writers of the formats that have grids with names and narrow bands.
-  std::variant<Field, SparseField> (*readChosen)(const SourceFile& source, LeftOut& leftOut,
-                                                 const GridChoice& grid) = nullptr;
+  Field (*readChosen)(const SourceFile& source, LeftOut& leftOut, const GridChoice& grid) = nullptr;
   void (*writeNamed)(std::ostream& out, const Field& field, const NamedArray& array,
                      const VdbStorage& storage) = nullptr;
-  void (*writeBands)(std::ostream& out, std::span<const NamedBand> bands,
+  void (*writeBands)(std::ostream& out, std::span<const NamedField> bands,
                      const VdbStorage& storage) = nullptr;
   /// Writer with numbers of 16 bits; null for a format without them, or with `writeNamed`.
   void (*writeHalf)(std::ostream& out, const Field& field, const NamedArray& array) = nullptr;
@@ -103,8 +101,7 @@ void checkFormat(const fs::path& path, const Format& format, const FieldWriteOpt
 
 /// Throws `Error(Usage)` unless 16 bits hold the numbers of a field as the format stores them. `farthest` is
 /// its largest distance.
-template <class AnyField>
-void checkHalf(const fs::path& path, const Format& format, const AnyField& field, double farthest) {
+void checkHalf(const fs::path& path, const Format& format, const Field& field, double farthest) {
   if (format.extension == ".nvdb") {
     constexpr double kMost = 1e38;  // The range of a leaf must be a float.
     const auto isHeld = [](float value) { return std::abs(double(value)) <= kMost; };
@@ -127,11 +124,17 @@ void checkHalf(const fs::path& path, const Format& format, const AnyField& field
 }
 
 /// Throws `Error(Usage)` unless the format has what the options ask for. `farthest` is the largest distance.
-template <class AnyField>
-void checkStorage(const fs::path& path, const Format& format, const AnyField& field, double farthest,
+void checkStorage(const fs::path& path, const Format& format, const Field& field, double farthest,
                   const FieldWriteOptions& options) {
   checkFormat(path, format, options);
   if (options.half) checkHalf(path, format, field, farthest);
+}
+
+/// Returns the number of samples above which a level set becomes a narrow band.
+uint64_t mostDense(LevelSet levelSet) {
+  constexpr uint64_t kManySamples = uint64_t{1} << 24;
+  if (levelSet == LevelSet::Narrow) return 0;
+  return levelSet == LevelSet::Dense ? UINT64_MAX : kManySamples;
 }
 
 /// Returns "'a', 'b' and 3 more".
@@ -166,20 +169,20 @@ Formats knownFieldFormats() {
   return formats;
 }
 
-std::variant<Field, SparseField> readFieldAs(const SourceFile& source, std::string_view format,
-                                             const ReadOptions& options, uint64_t mostDense) {
+Field readFieldAs(const SourceFile& source, std::string_view format, const ReadOptions& options) {
   const std::string path = source.path().string();
   if (format.empty() && !formatOf(source, {}, knownMeshFormats()).empty())
     throw Error(ErrorCode::Usage, path + ": it is a mesh, and a field is needed; generate one of it");
   const Format& found = findFormat(source.path(), format);
   if (!found.readChosen && !options.gridName.empty())
     throw Error(ErrorCode::Usage, path + ": only a .vdb or .nvdb has grids with names; leave the name out");
-  if (!found.readChosen && mostDense == 0)
+  if (!found.readChosen && options.levelSet == LevelSet::Narrow)
     throw Error(ErrorCode::Usage, path + ": a " + std::string(found.extension) +
                                       " holds no narrow bands; read it as a field, and make a band of it");
   LeftOut leftOut;
-  auto field = found.readChosen ? found.readChosen(source, leftOut, {options.gridName, mostDense})
-                                : std::variant<Field, SparseField>(found.read(source, leftOut));
+  Field field = found.readChosen
+                    ? found.readChosen(source, leftOut, {options.gridName, mostDense(options.levelSet)})
+                    : found.read(source, leftOut);
   std::erase_if(leftOut, [&](const std::string& name) {
     return std::ranges::find(options.alsoRead, name) != options.alsoRead.end();
   });
@@ -192,23 +195,17 @@ std::variant<Field, SparseField> readFieldAs(const SourceFile& source, std::stri
 
 Field readField(const fs::path& path, const ReadOptions& options) {
   const SourceFile source(path);
-  return std::get<Field>(
-      readFieldAs(source, formatOf(source, options.format, knownFieldFormats()), options, UINT64_MAX));
-}
-
-SparseField readBand(const fs::path& path, const ReadOptions& options) {
-  const SourceFile source(path);
-  return std::get<SparseField>(
-      readFieldAs(source, formatOf(source, options.format, knownFieldFormats()), options, 0));
+  return readFieldAs(source, formatOf(source, options.format, knownFieldFormats()), options);
 }
 
 namespace {
 
 /// Throws `Error(Usage)` unless a file can hold a band with these options.
-void checkBand(const fs::path& path, const Format& format, const SparseField& band,
+void checkBand(const fs::path& path, const Format& format, const Field& band,
                const FieldWriteOptions& options) {
   validateField(band);
-  const double farthest = std::max(band.outside, std::isfinite(band.inside) ? band.inside : 0.0);
+  const auto [outside, inside] = std::pair(band.narrow->outside, band.narrow->inside);
+  const double farthest = std::max(outside, std::isfinite(inside) ? inside : 0.0);
   checkStorage(path, format, band, std::max(farthest, double(largestMagnitude(band.distance))), options);
 }
 
@@ -223,8 +220,8 @@ const Format& bandFormat(const fs::path& path, const FieldWriteOptions& options)
 }
 
 /// Returns the names of all grids of one of several bands.
-std::vector<std::string> gridNames(const NamedBand& each) {
-  const SparseField& band = *each.band;
+std::vector<std::string> gridNames(const NamedField& each) {
+  const Field& band = *each.field;
   std::vector<std::string> names{std::string(each.name)};
   const auto add = [&](std::string_view array, bool isHeld) {
     if (isHeld) names.push_back(arrayGridName(each.name, array));
@@ -235,7 +232,7 @@ std::vector<std::string> gridNames(const NamedBand& each) {
   return names;
 }
 
-void writeAllBands(const fs::path& path, const Format& format, std::span<const NamedBand> bands,
+void writeAllBands(const fs::path& path, const Format& format, std::span<const NamedField> bands,
                    const FieldWriteOptions& options) {
   writeAtomically(path, [&](std::ostream& out) {
     writeSeekable(out, [&](std::ostream& seekable) {
@@ -246,13 +243,7 @@ void writeAllBands(const fs::path& path, const Format& format, std::span<const N
 
 }  // namespace
 
-void writeBand(const fs::path& path, const SparseField& band, const FieldWriteOptions& options) {
-  const Format& format = bandFormat(path, options);
-  checkBand(path, format, band, options);
-  writeAllBands(path, format, std::array{NamedBand{options.gridName, &band}}, options);
-}
-
-void writeBands(const fs::path& path, std::span<const NamedBand> bands, const FieldWriteOptions& options) {
+void writeFields(const fs::path& path, std::span<const NamedField> bands, const FieldWriteOptions& options) {
   const Format& format = bandFormat(path, options);
   const auto require = [&](bool holds, const std::string& what) {
     if (!holds) throw Error(ErrorCode::Usage, path.string() + ": " + what);
@@ -260,12 +251,13 @@ void writeBands(const fs::path& path, std::span<const NamedBand> bands, const Fi
   require(!bands.empty(), "it must hold at least one narrow band");
   require(options.gridName.empty(), "each narrow band has a name of its own; leave the other one out");
   std::vector<std::string> names;
-  for (const NamedBand& each : bands) {
+  for (const NamedField& each : bands) {
     const std::string name(each.name);
     require(!name.empty(), "each of several narrow bands needs a name");
     FieldWriteOptions one = options;
     one.gridName = each.name;
-    checkBand(path, format, *each.band, one);
+    requireNarrow(*each.field);
+    checkBand(path, format, *each.field, one);
     for (const std::string& grid : gridNames(each)) {
       require(std::ranges::find(names, grid) == names.end(),
               "two grids have the name '" + grid + "'; choose another for one of the bands");
@@ -277,6 +269,11 @@ void writeBands(const fs::path& path, std::span<const NamedBand> bands, const Fi
 }
 
 void writeField(const fs::path& path, const Field& field, const FieldWriteOptions& options) {
+  if (field.narrow) {
+    const Format& format = bandFormat(path, options);
+    checkBand(path, format, field, options);
+    return writeAllBands(path, format, std::array{NamedField{options.gridName, &field}}, options);
+  }
   const Format& format = findFormat(path, formatOf(path, options.format, fieldExtensions()));
   const NamedArray array = arrayOf(field, options.array);
   validateGrid(field.grid);

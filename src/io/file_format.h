@@ -49,8 +49,6 @@ Formats knownFieldFormats();
 
 // Read a file in a known format, which `formatOf` gave.
 Mesh readMeshAs(const SourceFile& source, std::string_view format, const ReadOptions& options);
-/// A level set with more samples than `mostDense` becomes a narrow band. If that is 0, all else is refused.
-std::variant<Field, SparseField> readFieldAs(const SourceFile& source, std::string_view format,
-                                             const ReadOptions& options, uint64_t mostDense);
+Field readFieldAs(const SourceFile& source, std::string_view format, const ReadOptions& options);
 
 }  // namespace raymap

@@ -77,21 +77,13 @@ Mesh readMesh(const std::filesystem::path& path, const ReadOptions& options) {
   return readMeshAs(source, formatOf(source, options.format, knownMeshFormats()), options);
 }
 
-namespace {
-
-std::variant<Mesh, Field, SparseField> readAny(const std::filesystem::path& path, const ReadOptions& options,
-                                               uint64_t mostDense) {
+std::variant<Mesh, Field> read(const std::filesystem::path& path, const ReadOptions& options) {
   const SourceFile source(path);
   Formats known = knownMeshFormats();
   const Formats fields = knownFieldFormats();
   known.insert(known.end(), fields.begin(), fields.end());
   const std::string found = formatOf(source, options.format, known);
-  if (contains(fields, found))
-    return std::visit(
-        [](auto&& field) -> std::variant<Mesh, Field, SparseField> {
-          return std::forward<decltype(field)>(field);
-        },
-        readFieldAs(source, found, options, mostDense));
+  if (contains(fields, found)) return readFieldAs(source, found, options);
   if (!options.gridName.empty())
     throw Error(ErrorCode::Usage,
                 path.string() + ": only a .vdb or .nvdb has grids with names; leave the name out");
@@ -99,20 +91,6 @@ std::variant<Mesh, Field, SparseField> readAny(const std::filesystem::path& path
   throw Error(ErrorCode::Unsupported,
               path.string() + ": neither its name nor its bytes tell whether this is a mesh or a field; " +
                   "known are " + listOf(known));
-}
-
-}  // namespace
-
-std::variant<Mesh, Field> readMeshOrField(const std::filesystem::path& path, const ReadOptions& options) {
-  auto read = readAny(path, options, UINT64_MAX);
-  if (Mesh* mesh = std::get_if<Mesh>(&read)) return std::move(*mesh);
-  return std::get<Field>(std::move(read));
-}
-
-std::variant<Mesh, Field, SparseField> readMeshFieldOrBand(const std::filesystem::path& path,
-                                                           const ReadOptions& options) {
-  constexpr uint64_t kManySamples = uint64_t{1} << 24;
-  return readAny(path, options, kManySamples);
 }
 
 namespace {

@@ -85,7 +85,7 @@ class DenseCubes {
 /// one leaf. So its cubes have samples of eight leaves.
 class SparseCubes {
  public:
-  SparseCubes(const SparseField& band, double iso, Progress& progress)
+  SparseCubes(const Field& band, double iso, Progress& progress)
       : band_(band), iso_(iso), progress_(progress) {}
 
   ContourRows find() {
@@ -104,7 +104,7 @@ class SparseCubes {
   }
 
  private:
-  static constexpr int kSide = SparseField::kLeafSide;
+  static constexpr int kSide = NarrowBand::kLeafSide;
   static constexpr size_t kRowsOfBlock = size_t(kSide) * kSide;
   /// Whether samples are inside: bits along x, in rows along y and z, from the block's lowest corner.
   using InsideBits = std::array<std::array<unsigned, kSide + 1>, kSide + 1>;
@@ -114,9 +114,9 @@ class SparseCubes {
   /// Lists the blocks that may have cubes in rows along x, and where these begin.
   void listBlocks() {
     const glm::ivec3 ceil = (band_.grid.dims + kSide - 1) / kSide * kSide;
-    checkSurfaceMemory(8 * sizeof(glm::ivec3) * (band_.leaves.size() + countTileBlocks(ceil)));
-    for (const glm::ivec3& leaf : band_.leaves) addBlocks(leaf);
-    for (const SparseField::Tile& tile : band_.tiles)
+    checkSurfaceMemory(8 * sizeof(glm::ivec3) * (band_.narrow->leaves.size() + countTileBlocks(ceil)));
+    for (const glm::ivec3& leaf : band_.narrow->leaves) addBlocks(leaf);
+    for (const NarrowBand::Tile& tile : band_.narrow->tiles)
       forEachOnSides(glm::min(tile.low + tile.side, ceil) - tile.low,
                      [&](const glm::ivec3& within) { addBlocks(tile.low + within); });
     parallelSort(blocks_.begin(), blocks_.end(), [](const glm::ivec3& a, const glm::ivec3& b) {
@@ -130,7 +130,7 @@ class SparseCubes {
 
   size_t countTileBlocks(const glm::ivec3& ceil) const {
     size_t count = 0;
-    for (const SparseField::Tile& tile : band_.tiles) {
+    for (const NarrowBand::Tile& tile : band_.narrow->tiles) {
       const glm::ivec3 size = (glm::min(tile.low + tile.side, ceil) - tile.low) / kSide;
       for (int axis = 0; axis < 3; ++axis) count += 2 * size_t(size[axis]) * size_t(size[(axis + 1) % 3]);
     }
@@ -237,7 +237,7 @@ class SparseCubes {
     return bits;
   }
 
-  const SparseField& band_;
+  const Field& band_;
   double iso_;
   Progress& progress_;
   std::vector<glm::ivec3> blocks_;
@@ -247,11 +247,7 @@ class SparseCubes {
 }  // namespace
 
 ContourRows findCubes(const Field& field, double iso, Progress& progress) {
-  return DenseCubes(field, iso, progress).find();
-}
-
-ContourRows findCubes(const SparseField& band, double iso, Progress& progress) {
-  return SparseCubes(band, iso, progress).find();
+  return field.narrow ? SparseCubes(field, iso, progress).find() : DenseCubes(field, iso, progress).find();
 }
 
 }  // namespace raymap

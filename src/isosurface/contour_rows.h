@@ -1,7 +1,6 @@
 #pragma once
 
 #include <raymap/field.h>
-#include <raymap/sparse_field.h>
 
 #include <cstdint>
 #include <vector>
@@ -40,10 +39,9 @@ struct ContourRows {
   std::vector<ContourCube> cubes = {};  ///< Ascending along each row.
 };
 
-/// Finds the cubes of a field, with their corners alone. Everything beyond the grid is outside. Reports to
-/// `progress` from any thread.
+/// Finds the cubes of a field, with their corners alone. Everything beyond the grid is outside. Of a narrow
+/// band, looks where the surface may be: at leaves and at the sides of tiles. Reports to `progress` from any
+/// thread.
 ContourRows findCubes(const Field& field, double iso, Progress& progress);
-/// Does the same for a narrow band, where the surface may be: at leaves and at the sides of tiles.
-ContourRows findCubes(const SparseField& band, double iso, Progress& progress);
 
 }  // namespace raymap

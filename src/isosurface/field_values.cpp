@@ -51,7 +51,7 @@ Range rangeOfParts(size_t count, Add&& add) {
 }
 
 /// Returns the range of the values. Throws `Error(Input)` if a sample is not finite.
-Range rangeOf(const Field& field) {
+Range denseRange(const Field& field) {
   const glm::ivec3 dims = field.grid.dims;
   return rangeOfParts(size_t(dims.z), [&](size_t k, Range& range) {
     size_t i = field.grid.index({0, 0, k});
@@ -65,21 +65,21 @@ Range rangeOf(const Field& field) {
 
 /// Calls `visit(sample, value)` for the samples of a leaf that lie on the lattice.
 template <class Visit>
-void forEachOnLattice(const SparseField& band, size_t leaf, Visit&& visit) {
-  const float* value = band.distance.data() + leaf * SparseField::kLeafSamples;
-  constexpr int kSide = SparseField::kLeafSide;
+void forEachOnLattice(const Field& band, size_t leaf, Visit&& visit) {
+  const float* value = band.distance.data() + leaf * NarrowBand::kLeafSamples;
+  constexpr int kSide = NarrowBand::kLeafSide;
   for (int z = 0; z < kSide; ++z)
     for (int y = 0; y < kSide; ++y)
       for (int x = 0; x < kSide; ++x, ++value) {
-        const glm::ivec3 sample = band.leaves[leaf] + glm::ivec3(x, y, z);
+        const glm::ivec3 sample = band.narrow->leaves[leaf] + glm::ivec3(x, y, z);
         if (glm::all(glm::lessThan(sample, band.grid.dims))) visit(sample, *value);
       }
 }
 
 /// Does the same for a band. It may have samples in no leaf and in no tile, which are outside.
-Range rangeOf(const SparseField& band) {
+Range narrowRange(const Field& band) {
   constexpr size_t kLeavesPerPart = 64;
-  const size_t leaves = band.leaves.size();
+  const size_t leaves = band.narrow->leaves.size();
   Range range =
       rangeOfParts((leaves + kLeavesPerPart - 1) / kLeavesPerPart, [&](size_t part, Range& partRange) {
         const size_t end = std::min((part + 1) * kLeavesPerPart, leaves);
@@ -89,8 +89,8 @@ Range rangeOf(const SparseField& band) {
             partRange.add(value);
           });
       });
-  range.add(float(band.outside));
-  if (!band.tiles.empty()) range.add(-float(band.inside));
+  range.add(float(band.narrow->outside));
+  if (!band.narrow->tiles.empty()) range.add(-float(band.narrow->inside));
   return range;
 }
 
@@ -107,27 +107,7 @@ void checkRange(const Range& range, double iso) {
                                       shortText(range.high) + "; choose a distance between them");
 }
 
-}  // namespace
-
-void checkValues(const Field& field, double iso) {
-  validateField(field);
-  checkRange(rangeOf(field), iso);
-  if (field.clampDistance > 0.0 && std::abs(iso) >= field.clampDistance)
-    throw Error(ErrorCode::Usage, "there is no surface at " + shortText(iso) +
-                                      ": the field's distances are clamped at " +
-                                      shortText(field.clampDistance));
-}
-
-void checkValues(const SparseField& band, double iso) {
-  validate(band);
-  checkRange(rangeOf(band), iso);
-  if (iso >= band.outside || iso <= -band.inside)
-    throw Error(ErrorCode::Usage, "there is no surface at " + shortText(iso) +
-                                      ": the band's distances are clamped at " + shortText(-band.inside) +
-                                      " and " + shortText(band.outside));
-}
-
-bool reachesBox(const Field& field, double iso) {
+bool denseReachesBox(const Field& field, double iso) {
   const glm::ivec3 last = field.grid.dims - 1;
   for (int k = 0; k <= last.z; ++k)
     for (int j = 0; j <= last.y; ++j) {
@@ -138,21 +118,40 @@ bool reachesBox(const Field& field, double iso) {
   return false;
 }
 
-bool reachesBox(const SparseField& band, double iso) {
+bool narrowReachesBox(const Field& band, double iso) {
   const glm::ivec3 last = band.grid.dims - 1;
   const auto touches = [&](const glm::ivec3& low, int side) {
     return glm::any(glm::equal(low, glm::ivec3(0))) || glm::any(glm::greaterThanEqual(low + side - 1, last));
   };
-  if (std::ranges::any_of(band.tiles,
-                          [&](const SparseField::Tile& tile) { return touches(tile.low, tile.side); }))
+  if (std::ranges::any_of(band.narrow->tiles,
+                          [&](const NarrowBand::Tile& tile) { return touches(tile.low, tile.side); }))
     return true;
   bool reaches = false;
-  for (size_t leaf = 0; leaf < band.leaves.size() && !reaches; ++leaf)
-    if (touches(band.leaves[leaf], SparseField::kLeafSide))
+  for (size_t leaf = 0; leaf < band.narrow->leaves.size() && !reaches; ++leaf)
+    if (touches(band.narrow->leaves[leaf], NarrowBand::kLeafSide))
       forEachOnLattice(band, leaf, [&](const glm::ivec3& sample, float value) {
         reaches |= value < iso && touches(sample, 1);
       });
   return reaches;
+}
+
+}  // namespace
+
+void checkValues(const Field& field, double iso) {
+  validateArray(field, FieldArray::Distance);
+  checkRange(field.narrow ? narrowRange(field) : denseRange(field), iso);
+  if (const auto& band = field.narrow; band && (iso >= band->outside || iso <= -band->inside))
+    throw Error(ErrorCode::Usage, "there is no surface at " + shortText(iso) +
+                                      ": the band's distances are clamped at " + shortText(-band->inside) +
+                                      " and " + shortText(band->outside));
+  if (field.clampDistance > 0.0 && std::abs(iso) >= field.clampDistance)
+    throw Error(ErrorCode::Usage, "there is no surface at " + shortText(iso) +
+                                      ": the field's distances are clamped at " +
+                                      shortText(field.clampDistance));
+}
+
+bool reachesBox(const Field& field, double iso) {
+  return field.narrow ? narrowReachesBox(field, iso) : denseReachesBox(field, iso);
 }
 
 }  // namespace raymap

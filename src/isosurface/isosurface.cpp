@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <type_traits>
 
 #include "base/parallel.h"
 #include "base/progress.h"
@@ -39,15 +38,12 @@ class DenseReader {
   const Field& field_;
 };
 
-template <class AnyField>
-using SampleReader = std::conditional_t<std::is_same_v<AnyField, Field>, DenseReader, SparseReader>;
-
-/// Derives planes of the surface from the samples of a distance field, dense or a narrow band. A sample's
+/// Derives planes of the surface from the samples of a distance field, which a `Reader` reads. A sample's
 /// value gives the plane's distance, its gradient the direction.
-template <class AnyField>
+template <class Reader>
 class SamplePlanes {
  public:
-  SamplePlanes(const AnyField& field, double iso)
+  SamplePlanes(const Field& field, double iso)
       : field_(field), dims_(field.grid.dims), iso_(iso), scale_(1.0 / field.grid.spacing) {}
 
   void operator()(const glm::ivec3& inside, const glm::ivec3& outside, PlaneFit& fit) const {
@@ -69,8 +65,6 @@ class SamplePlanes {
   }
 
  private:
-  using Reader = SampleReader<AnyField>;
-
   double value(Reader& read, const glm::ivec3& s) const { return scale_ * (double(read(s)) - iso_); }
 
   /// Returns the gradient at a sample, at length 1 like that of any distance. Central differences across an
@@ -108,40 +102,19 @@ class SamplePlanes {
     return length > kMinLength ? best / length : glm::dvec3(0.0);
   }
 
-  const AnyField& field_;
+  const Field& field_;
   glm::ivec3 dims_;
   double iso_;
   double scale_;
 };
 
-/// Makes the surface of a dense field or a narrow band.
-template <class AnyField>
-void contour(const AnyField& field, double iso, Progress& progress, Mesh& result) {
+template <class Reader>
+void contour(const Field& field, double iso, Progress& progress, Mesh& result) {
   checkValues(field, iso);
   progress.part(0.0, 0.2);
   ContourRows cubes = findCubes(field, iso, progress);
-  const auto value = [&](const glm::ivec3& sample) {
-    return double(SampleReader<AnyField>(field, sample)(sample)) - iso;
-  };
-  dualContour(field.grid, std::move(cubes), value, SamplePlanes(field, iso), progress, result);
-}
-
-template <class AnyField>
-void makeSurface(const AnyField& field, const IsosurfaceOptions& options, Mesh& result,
-                 const MachineOptions& machine) {
-  Progress progress(machine.progress);
-  try {
-    progress.stage("isosurface", [&] {
-      withThreads(machine.threads, [&] { contour(field, options.iso, progress, result); });
-    });
-  } catch (...) {
-    result = {};
-    throw;
-  }
-  if (machine.warn && reachesBox(field, options.iso))
-    machine.warn(
-        {WarningCode::BoxReached,
-         "the solid reaches the grid's box and was closed there; a larger box would hold all of it"});
+  const auto value = [&](const glm::ivec3& sample) { return double(Reader(field, sample)(sample)) - iso; };
+  dualContour(field.grid, std::move(cubes), value, SamplePlanes<Reader>(field, iso), progress, result);
 }
 
 }  // namespace
@@ -154,18 +127,22 @@ Mesh isosurface(const Field& field, const IsosurfaceOptions& options, const Mach
 
 void isosurface(const Field& field, const IsosurfaceOptions& options, Mesh& result,
                 const MachineOptions& machine) {
-  makeSurface(field, options, result, machine);
-}
-
-Mesh isosurface(const SparseField& band, const IsosurfaceOptions& options, const MachineOptions& machine) {
-  Mesh mesh;
-  isosurface(band, options, mesh, machine);
-  return mesh;
-}
-
-void isosurface(const SparseField& band, const IsosurfaceOptions& options, Mesh& result,
-                const MachineOptions& machine) {
-  makeSurface(band, options, result, machine);
+  Progress progress(machine.progress);
+  try {
+    progress.stage("isosurface", [&] {
+      withThreads(machine.threads, [&] {
+        const auto make = field.narrow ? contour<SparseReader> : contour<DenseReader>;
+        make(field, options.iso, progress, result);
+      });
+    });
+  } catch (...) {
+    result = {};
+    throw;
+  }
+  if (machine.warn && reachesBox(field, options.iso))
+    machine.warn(
+        {WarningCode::BoxReached,
+         "the solid reaches the grid's box and was closed there; a larger box would hold all of it"});
 }
 
 }  // namespace raymap

@@ -36,7 +36,7 @@ void runStage(Stats& stats, const char* name, Work&& work) {
 }
 
 /// Takes the mesh if there is one to take.
-SparseField makeBand(const Job& job, const MeshView& mesh, Mesh* taken, FileReport& report) {
+Field makeBand(const Job& job, const MeshView& mesh, Mesh* taken, FileReport& report) {
   const FieldOptions& options = job.options;
   const SurfaceOptions asked{.orientation = options.orientation,
                              .threshold = options.threshold,
@@ -45,7 +45,7 @@ SparseField makeBand(const Job& job, const MeshView& mesh, Mesh* taken, FileRepo
   const Surface surface =
       taken ? Surface(std::move(*taken), asked, job.machine) : Surface(mesh, asked, job.machine);
   report.stats = surface.stats();
-  SparseField band;
+  Field band;
   runStage(report.stats, "narrow_band", [&] {
     const double inside = job.files.fullInside ? std::numeric_limits<double>::infinity() : options.band;
     band = surface.generateBand(job.grid, {.outside = options.band, .inside = inside}, job.machine);
@@ -91,7 +91,6 @@ FileReport FileGenerator::run(const MeshView& mesh, Mesh* taken, const Grid& gri
   const size_t held = sizeof(float) * (field_.distance.size() + field_.triangle.size() +
                                        field_.winding.size() + field_.confidence.size());
   form_ = FieldForm::Slabs;  // Nothing to write, if this fails.
-  band_ = {};
   FileReport report{.plan = planField(mesh, grid, options, files_, machine, held)};
   const FieldForm form = report.plan.form;
   require(
@@ -110,7 +109,7 @@ FileReport FileGenerator::run(const MeshView& mesh, Mesh* taken, const Grid& gri
   }
   field_ = {};
   if (form == FieldForm::NarrowBand) {
-    band_ = makeBand(job, mesh, taken, report);
+    field_ = makeBand(job, mesh, taken, report);
     form_ = form;
   } else {
     generator_ = {};  // Its memory goes to the slabs.
@@ -134,7 +133,6 @@ FileReport FileGenerator::make(Mesh&& mesh, const Grid& grid, const FieldOptions
 void FileGenerator::write() const {
   if (form_ == FieldForm::Slabs) return;
   FieldWriteOptions how{.format = files_.format, .gridName = files_.gridName, .half = files_.half};
-  if (form_ == FieldForm::NarrowBand) return writeBand(files_.distance, band_, how);
   writeField(files_.distance, field_, how);
   how.gridName = {};
   const auto writeAlso = [&](const std::filesystem::path& path, FieldArray array) {

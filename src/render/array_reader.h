@@ -30,12 +30,12 @@ class DenseArray {
 class BandArray {
  public:
   /// Throws `Error(Usage)` if the band has no such array.
-  BandArray(const SparseField& band, FieldArray kind)
+  BandArray(const Field& band, FieldArray kind)
       : tree_((validateArray(band, kind), band)), kind_(kind), numbers_(numbersOf(band, kind)) {}
 
   const Grid& grid() const { return tree_.band().grid; }
   FieldArray kind() const { return kind_; }
-  double clampDistance() const { return clampDistanceOf(tree_.band()); }
+  double clampDistance() const { return tree_.band().clamp(); }
   float operator()(const glm::ivec3& sample) const {
     return (kind_ == FieldArray::Distance ? tree_.blockWith(sample) : tree_.blockWith(sample, numbers_))
         .at(sample);

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "base/parallel.h"
+#include "base/require.h"
 #include "base/text.h"
 #include "render/array_reader.h"
 #include "render/slice_view.h"
@@ -124,7 +125,7 @@ void addBoxes(const BandArray& a, const BandArray& b, const glm::ivec3& low, int
   const glm::ivec3 dims = a.grid().dims;
   if (glm::any(glm::greaterThanEqual(low, dims))) return;
   const bool isUniform = std::min(a.emptySide(low), b.emptySide(low)) >= side;
-  if (isUniform || side == SparseField::kLeafSide) {
+  if (isUniform || side == NarrowBand::kLeafSide) {
     boxes.push_back({low, glm::min(low + side, dims), isUniform});
     return;
   }
@@ -135,7 +136,7 @@ void addBoxes(const BandArray& a, const BandArray& b, const glm::ivec3& low, int
 ComparedBoxes boxesOf(const BandArray& a, const BandArray& b) {
   const glm::ivec3 dims = a.grid().dims;
   ComparedBoxes boxes{.list = {}, .perTask = 1024};
-  const auto longest = uint32_t(std::max({dims.x, dims.y, dims.z, SparseField::kLeafSide}));
+  const auto longest = uint32_t(std::max({dims.x, dims.y, dims.z, NarrowBand::kLeafSide}));
   addBoxes(a, b, glm::ivec3(0), int(std::bit_ceil(longest)), boxes.list);
   return boxes;
 }
@@ -289,27 +290,27 @@ Picture renderArrays(const Array& a, const Array& b, int width) {
   });
 }
 
-template <class Array>
-Comparison compareArrays(const Array& a, const Array& b) {
-  return comparePair(FieldPair(a, b), boxesOf(a, b));
+/// Calls `use` with the arrays of two fields. Throws `Error(Usage)` unless both are narrow bands, or neither.
+template <class Use>
+auto withArrays(const Field& a, const Field& b, FieldArray array, Use&& use) {
+  require(a.narrow.has_value() == b.narrow.has_value(),
+          "a narrow band cannot be compared with a dense field; make it dense first");
+  return a.narrow ? use(BandArray(a, array), BandArray(b, array))
+                  : use(DenseArray(a, array), DenseArray(b, array));
 }
 
 }  // namespace
 
 Comparison compareFields(const Field& a, const Field& b, FieldArray array) {
-  return compareArrays(DenseArray(a, array), DenseArray(b, array));
-}
-
-Comparison compareFields(const SparseField& a, const SparseField& b, FieldArray array) {
-  return compareArrays(BandArray(a, array), BandArray(b, array));
+  return withArrays(a, b, array, [](const auto& first, const auto& second) {
+    return comparePair(FieldPair(first, second), boxesOf(first, second));
+  });
 }
 
 Picture renderComparison(const Field& a, const Field& b, int width, FieldArray array) {
-  return renderArrays(DenseArray(a, array), DenseArray(b, array), width);
-}
-
-Picture renderComparison(const SparseField& a, const SparseField& b, int width, FieldArray array) {
-  return renderArrays(BandArray(a, array), BandArray(b, array), width);
+  return withArrays(a, b, array, [width](const auto& first, const auto& second) {
+    return renderArrays(first, second, width);
+  });
 }
 
 }  // namespace raymap

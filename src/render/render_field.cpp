@@ -36,9 +36,7 @@ void checkOptions(const RenderOptions& options) {
   checkPictureSize(options.width, options.height);
   require(options.array != FieldArray::Triangle,
           "a surface has no colours of triangles; draw a slice of them");
-  require(!options.other || !options.otherBand,
-          "a picture shows the difference from one field; leave out the dense one or the band");
-  require((!options.other && !options.otherBand) || options.array == FieldArray::Distance,
+  require(!options.other || options.array == FieldArray::Distance,
           "a picture shows the difference of two fields or the array '" + std::string(name(options.array)) +
               "', not both");
 }
@@ -50,10 +48,10 @@ void checkOptions(const RenderOptions& options) {
 }
 
 /// Returns the sample of a place in a narrow band's arrays.
-glm::ivec3 sampleOf(const SparseField& band, size_t place) {
-  constexpr int kSide = SparseField::kLeafSide;
-  const int within = int(place % SparseField::kLeafSamples);
-  return band.leaves[place / SparseField::kLeafSamples] +
+glm::ivec3 sampleOf(const Field& band, size_t place) {
+  constexpr int kSide = NarrowBand::kLeafSide;
+  const int within = int(place % NarrowBand::kLeafSamples);
+  return band.narrow->leaves[place / NarrowBand::kLeafSamples] +
          glm::ivec3(within % kSide, within / kSide % kSide, within / (kSide * kSide));
 }
 
@@ -73,18 +71,11 @@ Picture renderScene(const DrawnScene& scene, const RenderOptions& options, const
 void checkNumbers(const Field& field, FieldArray array) {
   validateArray(field, array);
   const Buffer<float>& numbers = numbersOf(field, array);
-  const auto* odd = std::ranges::find_if_not(numbers, [](float number) { return std::isfinite(number); });
-  if (odd != numbers.end())
-    refuseNumber(array, "field", *odd, "index " + std::to_string(odd - numbers.begin()));
-}
-
-void checkNumbers(const SparseField& band, FieldArray array) {
-  validateArray(band, array);
-  const Buffer<float>& numbers = numbersOf(band, array);
   for (size_t place = 0; place < numbers.size(); ++place) {
     if (std::isfinite(numbers[place])) continue;
-    const glm::ivec3 sample = sampleOf(band, place);
-    if (glm::any(glm::greaterThanEqual(sample, band.grid.dims))) continue;
+    if (!field.narrow) refuseNumber(array, "field", numbers[place], "index " + std::to_string(place));
+    const glm::ivec3 sample = sampleOf(field, place);
+    if (glm::any(glm::greaterThanEqual(sample, field.grid.dims))) continue;
     refuseNumber(array, "narrow band", numbers[place],
                  "sample (" + std::to_string(sample.x) + ", " + std::to_string(sample.y) + ", " +
                      std::to_string(sample.z) + ")");
@@ -92,37 +83,26 @@ void checkNumbers(const SparseField& band, FieldArray array) {
 }
 
 Picture renderField(const Field& field, const RenderOptions& options, const MachineOptions& machine) {
-  validateField(field);
+  validateArray(field, FieldArray::Distance);
   checkOptions(options);
   if (options.array != FieldArray::Distance) checkNumbers(field, options.array);
   if (options.other) checkNumbers(*options.other, FieldArray::Distance);
-  Picture picture;
-  withThreads(machine.threads, [&] {
-    RenderOptions alike = options;
-    Field other;
-    if (options.other && options.other->grid != field.grid) {
-      other = resampled(*options.other, field.grid);
-      alike.other = &other;
-    }
-    picture = renderScene(DrawnScene(field, alike), alike, machine);
-  });
-  return picture;
-}
-
-Picture renderField(const SparseField& band, const RenderOptions& options, const MachineOptions& machine) {
-  validate(band);
-  checkOptions(options);
-  if (options.array != FieldArray::Distance) checkNumbers(band, options.array);
-  if (options.other) checkNumbers(*options.other, FieldArray::Distance);
-  if (options.otherBand) checkNumbers(*options.otherBand, FieldArray::Distance);
+  RenderOptions shown = options;
   MachineOptions chosen = machine;
-  if (options.other || options.otherBand) {
+  if (options.other && field.narrow) {
     require(!machine.device.starts_with("vulkan"),
             "the difference from a narrow band is drawn on the CPU; choose no other device");
     chosen.device = "cpu";
   }
   Picture picture;
-  withThreads(machine.threads, [&] { picture = renderScene(DrawnScene(band, options), options, chosen); });
+  withThreads(machine.threads, [&] {
+    Field other;
+    if (options.other && !field.narrow && !options.other->narrow && options.other->grid != field.grid) {
+      other = resampled(*options.other, field.grid, machine);
+      shown.other = &other;
+    }
+    picture = renderScene(DrawnScene(field, shown), shown, chosen);
+  });
   return picture;
 }
 

@@ -11,8 +11,7 @@ namespace raymap {
 Picture renderScene(const DrawnScene& scene, const RenderOptions& options, const MachineOptions& machine);
 
 /// Throws `Error` unless an array has a finite number per sample: Usage if it has another count, else Input.
+/// Of a narrow band, those in no leaf have no number.
 void checkNumbers(const Field& field, FieldArray array);
-/// Throws the same for the samples on the lattice of a narrow band. Those in no leaf have no number.
-void checkNumbers(const SparseField& band, FieldArray array);
 
 }  // namespace raymap

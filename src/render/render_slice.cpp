@@ -91,11 +91,8 @@ Picture drawArray(const Array& array, int axis, int index, int width) {
 }  // namespace
 
 Picture renderSlice(const Field& field, int axis, int index, int width, FieldArray array) {
-  return drawArray(DenseArray(field, array), axis, index, width);
-}
-
-Picture renderSlice(const SparseField& band, int axis, int index, int width, FieldArray array) {
-  return drawArray(BandArray(band, array), axis, index, width);
+  return field.narrow ? drawArray(BandArray(field, array), axis, index, width)
+                      : drawArray(DenseArray(field, array), axis, index, width);
 }
 
 }  // namespace raymap

@@ -51,9 +51,18 @@ void moveLidsAway(const Grid& grid, Mesh& surface) {
     }
 }
 
+Field resampledBand(const Field& band, const Grid& grid, const MachineOptions& machine) {
+  MachineOptions quiet = machine;
+  quiet.warn = nullptr;  // The surface is not closed at the grid's box after all.
+  Mesh surface = isosurface(band, {}, quiet);
+  moveLidsAway(band.grid, surface);
+  return generate(surface, grid, {.orientation = Orientation::Keep}, machine).field;
+}
+
 }  // namespace
 
-Field resampled(const Field& field, const Grid& grid) {
+Field resampled(const Field& field, const Grid& grid, const MachineOptions& machine) {
+  if (field.narrow) return resampledBand(field, grid, machine);
   Field result{.grid = grid, .clampDistance = field.clampDistance, .surfaceBounds = field.surfaceBounds};
   result.distance = Buffer<float>(grid.sampleCount());
   for (int k = 0; k < grid.dims.z; ++k)
@@ -62,14 +71,6 @@ Field resampled(const Field& field, const Grid& grid) {
   result.winding = interpolated(field.winding, field.grid, grid);
   result.confidence = interpolated(field.confidence, field.grid, grid);
   return result;
-}
-
-Field resampled(const SparseField& band, const Grid& grid, const MachineOptions& machine) {
-  MachineOptions quiet = machine;
-  quiet.warn = nullptr;  // The surface is not closed at the grid's box after all.
-  Mesh surface = isosurface(band, {}, quiet);
-  moveLidsAway(band.grid, surface);
-  return generate(surface, grid, {.orientation = Orientation::Keep}, machine).field;
 }
 
 }  // namespace raymap

@@ -194,22 +194,17 @@ std::string dimsText(const Grid& grid) {
 
 /// A field or a narrow band, and its samples on the grid of the page.
 struct ShownField {
-  const Field& shown;                 ///< Its samples on the grid of the page.
-  const Field& measured;              ///< The field as given; of a band, those samples.
-  const Grid& grid;                   ///< Grid of all its samples.
-  const SparseField* band = nullptr;  ///< The band; null for a field.
+  const Field& shown;                     ///< Its samples on the grid of the page.
+  const Field& measured;                  ///< The field as given; of a band, those samples.
+  const Grid& grid;                       ///< Grid of all its samples.
+  const std::optional<NarrowBand>& band;  ///< Of a narrow band.
 };
 
 /// Returns a field as it is, or makes `made` of it, which the result keeps a reference to.
-ShownField shownOn(const Grid& grid, const Field& field, const MachineOptions&, Field& made) {
-  if (field.grid == grid) return {field, field, field.grid};
-  made = resampled(field, grid);
-  return {made, field, field.grid};
-}
-
-ShownField shownOn(const Grid& grid, const SparseField& band, const MachineOptions& machine, Field& made) {
-  made = resampled(band, grid, machine);
-  return {made, made, band.grid, &band};
+ShownField shownOn(const Grid& grid, const Field& field, const MachineOptions& machine, Field& made) {
+  if (!field.narrow && field.grid == grid) return {field, field, field.grid, field.narrow};
+  made = resampled(field, grid, machine);
+  return {made, field.narrow ? made : field, field.grid, field.narrow};
 }
 
 std::string figure(double value) {
@@ -282,34 +277,34 @@ std::string filled(std::string_view text,
   return page;
 }
 
+/// Throws `Error(Usage)` unless a narrow band has a surface, and its distances are to be shown.
+void checkBand(const Field& band, FieldArray first) {
+  if (first != FieldArray::Distance)
+    throw Error(ErrorCode::Usage, "a page of a narrow band shows distances only, not the array '" +
+                                      std::string(name(first)) + "'; draw it as a picture");
+  const auto isInside = [](float distance) { return distance < 0.0f; };
+  require(!band.narrow->tiles.empty() || std::ranges::any_of(band.distance, isInside),
+          "no sample of the narrow band is inside, so a page has no surface to show; draw it as a picture");
+}
+
 void checkField(const Field& field, FieldArray first) {
-  validateField(field);
+  validateArray(field, FieldArray::Distance);
+  if (field.narrow) return checkBand(field, first);
   for (const FieldArray array :
        {FieldArray::Winding, FieldArray::Confidence})  // Distances are checked when drawn.
     if (!numbersOf(field, array).empty()) checkNumbers(field, array);
   validateArray(field, first);
 }
 
-/// Throws `Error(Usage)` unless a narrow band has a surface, and its distances are to be shown.
-void checkField(const SparseField& band, FieldArray first = FieldArray::Distance) {
-  validate(band);
-  if (first != FieldArray::Distance)
-    throw Error(ErrorCode::Usage, "a page of a narrow band shows distances only, not the array '" +
-                                      std::string(name(first)) + "'; draw it as a picture");
-  const auto isInside = [](float distance) { return distance < 0.0f; };
-  require(!band.tiles.empty() || std::ranges::any_of(band.distance, isInside),
-          "no sample of the narrow band is inside, so a page has no surface to show; draw it as a picture");
-}
-
 void checkOptions(const RenderOptions& view, const PageOptions& options) {
-  require(!view.other && !view.otherBand,
+  require(!view.other,
           "a page takes its second field from the options of the page; leave it out of those of the view");
   checkPictureSize(view.width, view.height);
-  require(!options.other || !options.otherBand,
-          "a page compares two fields; leave out the dense one or the narrow band");
-  if (options.other) validateField(*options.other);
-  if (options.otherBand) checkField(*options.otherBand);
-  const bool isTwo = options.other || options.otherBand;
+  if (const Field* other = options.other) {
+    validateArray(*other, FieldArray::Distance);
+    if (other->narrow) checkBand(*other, FieldArray::Distance);
+  }
+  const bool isTwo = options.other != nullptr;
   if (options.array == FieldArray::Triangle || (isTwo && options.array != FieldArray::Distance))
     throw Error(ErrorCode::Usage, "a page has no colours of the array '" + std::string(name(options.array)) +
                                       (isTwo ? "' of two fields" : "'"));
@@ -374,39 +369,6 @@ Page assemble(const ShownField& first, const ShownField* second, const RenderOpt
           grid};
 }
 
-template <class AnyField>
-Page makeAny(const AnyField& field, const RenderOptions& view, const PageOptions& options,
-             const MachineOptions& machine) {
-  checkOptions(view, options);
-  checkField(field, options.array);
-  const Grid grid = pageGrid(field.grid, options.maxSize);
-  PageOptions titled = options;
-  if (titled.title.empty()) titled.title = "Field";
-  if (titled.otherTitle.empty()) titled.otherTitle = "Other field";
-  for (std::string* text : {&titled.title, &titled.otherTitle}) *text = printableText(*text);
-  Page page;
-  withThreads(machine.threads, [&] {
-    Field made, other;
-    const ShownField first = shownOn(grid, field, machine, made);
-    std::optional<ShownField> second;
-    if (options.other) second.emplace(shownOn(grid, *options.other, machine, other));
-    if (options.otherBand) second.emplace(shownOn(grid, *options.otherBand, machine, other));
-    page = assemble(first, second ? &*second : nullptr, view, titled, machine);
-  });
-  return page;
-}
-
-template <class AnyField>
-Page writeAny(const std::filesystem::path& path, const AnyField& field, const RenderOptions& view,
-              const PageOptions& options, const MachineOptions& machine) {
-  PageOptions titled = options;
-  if (titled.title.empty()) titled.title = path.stem().string();
-  Page page = makeAny(field, view, titled, machine);
-  writeAtomically(path,
-                  [&](std::ostream& out) { out.write(page.html.data(), std::streamsize(page.html.size())); });
-  return page;
-}
-
 }  // namespace
 
 Grid pageGrid(const Grid& grid, int maxSize) {
@@ -423,22 +385,32 @@ Grid pageGrid(const Grid& grid, int maxSize) {
 
 Page makePage(const Field& field, const RenderOptions& view, const PageOptions& options,
               const MachineOptions& machine) {
-  return makeAny(field, view, options, machine);
-}
-
-Page makePage(const SparseField& band, const RenderOptions& view, const PageOptions& options,
-              const MachineOptions& machine) {
-  return makeAny(band, view, options, machine);
+  checkOptions(view, options);
+  checkField(field, options.array);
+  const Grid grid = pageGrid(field.grid, options.maxSize);
+  PageOptions titled = options;
+  if (titled.title.empty()) titled.title = "Field";
+  if (titled.otherTitle.empty()) titled.otherTitle = "Other field";
+  for (std::string* text : {&titled.title, &titled.otherTitle}) *text = printableText(*text);
+  Page page;
+  withThreads(machine.threads, [&] {
+    Field made, other;
+    const ShownField first = shownOn(grid, field, machine, made);
+    std::optional<ShownField> second;
+    if (options.other) second.emplace(shownOn(grid, *options.other, machine, other));
+    page = assemble(first, second ? &*second : nullptr, view, titled, machine);
+  });
+  return page;
 }
 
 Page writePage(const std::filesystem::path& path, const Field& field, const RenderOptions& view,
                const PageOptions& options, const MachineOptions& machine) {
-  return writeAny(path, field, view, options, machine);
-}
-
-Page writePage(const std::filesystem::path& path, const SparseField& band, const RenderOptions& view,
-               const PageOptions& options, const MachineOptions& machine) {
-  return writeAny(path, band, view, options, machine);
+  PageOptions titled = options;
+  if (titled.title.empty()) titled.title = path.stem().string();
+  Page page = makePage(field, view, titled, machine);
+  writeAtomically(path,
+                  [&](std::ostream& out) { out.write(page.html.data(), std::streamsize(page.html.size())); });
+  return page;
 }
 
 }  // namespace raymap

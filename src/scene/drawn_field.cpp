@@ -33,18 +33,19 @@ void addCubes(const EmptySpace& space, std::vector<uint32_t>& words) {
 
 }  // namespace
 
-DrawnField::DrawnField(const Field& field)
-    : dense_(&field),
-      inside_(field.clampDistance > 0.0 ? field.clampDistance : INFINITY),
-      outside_(inside_),
-      whole_(field) {}
-
-DrawnField::DrawnField(const SparseField& band)
-    : inside_(band.inside),
-      outside_(band.outside),
-      tree_(std::make_unique<const LeafTree>(band)),
-      space_(std::in_place, band),
-      sparse_(SparseSampler({band.grid.dims, TreeReader{tree_.get()}}, band.grid.spacing)) {}
+DrawnField::DrawnField(const Field& field) : field_(&field) {
+  if (const auto& band = field.narrow) {
+    inside_ = band->inside;
+    outside_ = band->outside;
+    tree_ = std::make_unique<const LeafTree>(field);
+    space_.emplace(field);
+    sparse_.emplace(SparseTrilinear<TreeReader>(field.grid.dims, TreeReader{tree_.get()}),
+                    field.grid.spacing);
+  } else {
+    inside_ = outside_ = field.clampDistance > 0.0 ? field.clampDistance : INFINITY;
+    whole_.emplace(field);
+  }
+}
 
 DrawnField::DrawnField(const Field& elsewhere, double inside, double outside) : DrawnField(elsewhere) {
   isBandElsewhere_ = true;
@@ -85,7 +86,7 @@ DrawnField::Reading DrawnField::reading(const glm::dvec3& p) const {
   for (int corner = 0; corner < 8; ++corner) {
     const glm::ivec3 sample = glm::min(cell + glm::ivec3(corner & 1, corner >> 1 & 1, corner >> 2), dims - 1);
     const float distance =
-        dense_ ? dense_->distance[dense_->grid.index(sample)] : tree_->blockWith(sample).at(sample);
+        tree_ ? tree_->blockWith(sample).at(sample) : field_->distance[grid().index(sample)];
     found.mayBeLess |= distance <= -kNearly * inside_;
     found.mayBeMore |= distance >= kNearly * outside_;
   }
@@ -94,12 +95,12 @@ DrawnField::Reading DrawnField::reading(const glm::dvec3& p) const {
 
 std::optional<DrawnField::Plateau> DrawnField::plateau(const glm::dvec3& p,
                                                        const glm::dvec3& direction) const {
-  if (dense_) return std::nullopt;
+  if (!tree_) return std::nullopt;
   const bool isInGrid =
       glm::all(glm::greaterThanEqual(p, glm::dvec3(0.0))) && glm::all(glm::lessThanEqual(p, last()));
   if (!isInGrid) return std::nullopt;
   const glm::ivec3 sample(p);
-  float distance = float(band()->outside);
+  auto distance = float(outside_);
   std::optional<SampleBox> box = space_->boxAround(sample);
   if (!box) {
     const std::optional<LeafTree::EmptyCube> cube = tree_->emptyCube(sample);

@@ -16,12 +16,10 @@ namespace raymap {
 /// coordinates and values in units of the spacing, as in `Sampler`.
 class DrawnField {
  public:
-  DrawnField(const Field& field);       // NOLINT(google-explicit-constructor): Scenes take either.
-  DrawnField(const SparseField& band);  // NOLINT(google-explicit-constructor)
+  DrawnField(const Field& field);  // NOLINT(google-explicit-constructor): A scene is made of a field.
   /// A narrow band of these widths whose samples are on a device; the field has its grid, and no samples.
   DrawnField(const Field& elsewhere, double inside, double outside);
   DrawnField(Field&&) = delete;
-  DrawnField(SparseField&&) = delete;
 
   /// A stretch of a ray along which the field has one value.
   struct Plateau {
@@ -36,10 +34,7 @@ class DrawnField {
     bool mayBeMore;  ///< A sample is clamped outside, or the point lies outside of the grid.
   };
 
-  /// Returns the dense field, or null for a narrow band.
-  const Field* dense() const { return dense_; }
-  /// Returns the narrow band, or null for a dense field.
-  const SparseField* band() const { return tree_ ? &tree_->band() : nullptr; }
+  const Field& field() const { return *field_; }
   /// Returns the tree of the narrow band, or null for a dense field.
   const LeafTree* tree() const { return tree_.get(); }
   /// Returns the number of words that `leafIndex` returns.
@@ -50,20 +45,20 @@ class DrawnField {
   /// Returns the number of samples that the host or a device holds; 0 if that is not known.
   size_t sampleCount() const {
     if (isBandElsewhere_) return 0;
-    return dense_ ? dense_->grid.sampleCount() : tree_->band().distance.size();
+    return tree_ ? field_->distance.size() : grid().sampleCount();
   }
-  const Grid& grid() const { return dense_ ? dense_->grid : tree_->band().grid; }
+  const Grid& grid() const { return field_->grid; }
   /// Returns whether the samples are in the host's memory.
-  bool hasSamples() const { return !dense_ || !dense_->distance.empty(); }
+  bool hasSamples() const { return tree_ || !field_->distance.empty(); }
   /// Returns the position of the last sample.
   glm::dvec3 last() const { return glm::dvec3(grid().dims - 1); }
   /// Distances are clamped to these, in the mesh's units; infinite if they are not.
   double inside() const { return inside_; }
   double outside() const { return outside_; }
 
-  double value(const glm::dvec3& p) const { return dense_ ? whole_->value(p) : sparse_->value(p); }
+  double value(const glm::dvec3& p) const { return whole_ ? whole_->value(p) : sparse_->value(p); }
   glm::dvec3 gradient(const glm::dvec3& p) const {
-    return dense_ ? whole_->gradient(p) : sparse_->gradient(p);
+    return whole_ ? whole_->gradient(p) : sparse_->gradient(p);
   }
   /// Returns a value as `value` does, and whether the samples around the point are clamped.
   Reading reading(const glm::dvec3& p) const;
@@ -78,7 +73,7 @@ class DrawnField {
   };
   using SparseSampler = Sampler<SparseTrilinear<TreeReader>>;
 
-  const Field* dense_ = nullptr;
+  const Field* field_;
   bool isBandElsewhere_ = false;
   double inside_, outside_;
   std::unique_ptr<const LeafTree> tree_;

@@ -32,8 +32,7 @@ struct DrawnScene {
                                kLightOfCamera.z * up)),
         lineStep(roundedUp(shape.depth() / 12.0 * spacing()) / spacing()) {
     if (options.slice) slice = toSamples(*options.slice, shape.field().grid());
-    if (options.other || options.otherBand || options.array != FieldArray::Distance)
-      numbers.emplace(shape.field(), options);
+    if (options.other || options.array != FieldArray::Distance) numbers.emplace(shape.field(), options);
   }
 
   DrawnScene(const DrawnScene&) = delete;  // `numbers` keeps a reference to the shape's field.

@@ -44,7 +44,7 @@ class InsideSamples {
   /// value. Parts are visited in parallel, in any order.
   template <class VisitSome, class Merge>
   void forEachPart(VisitSome&& visitSome, Merge&& merge) const {
-    const SparseField* band = field_.band();
+    const auto& band = field_.field().narrow;
     const size_t count = band ? band->leaves.size() + band->tiles.size() : size_t(field_.grid().dims.z);
     std::mutex isMerging;
     parallelFor(count, band ? kLeavesPerTask : 1, [&](size_t begin, size_t end) {
@@ -64,10 +64,11 @@ class InsideSamples {
   /// Visits a sheet, a leaf or a tile.
   template <class Visit>
   double visitOne(size_t n, Visit&& visit) const {
-    const SparseField* band = field_.band();
-    if (!band) return visitSheet(*field_.dense(), int(n), visit);
-    if (n < band->leaves.size()) return visitLeaf(*band, n, visit);
-    return visitTile(*band, band->tiles[n - band->leaves.size()], visit);
+    const Field& field = field_.field();
+    const auto& band = field.narrow;
+    if (!band) return visitSheet(field, int(n), visit);
+    if (n < band->leaves.size()) return visitLeaf(field, n, visit);
+    return visitTile(field, band->tiles[n - band->leaves.size()], visit);
   }
 
   template <class Visit>
@@ -81,9 +82,10 @@ class InsideSamples {
   }
 
   template <class Visit>
-  double visitLeaf(const SparseField& band, size_t leaf, Visit&& visit) const {
-    const glm::ivec3 low = band.leaves[leaf], high = glm::min(low + SparseField::kLeafSide, band.grid.dims);
-    const SparseBlock block{band.distance.data() + leaf * SparseField::kLeafSamples, 0.0f};
+  double visitLeaf(const Field& band, size_t leaf, Visit&& visit) const {
+    const glm::ivec3 low = band.narrow->leaves[leaf],
+                     high = glm::min(low + NarrowBand::kLeafSide, band.grid.dims);
+    const SparseBlock block{band.distance.data() + leaf * NarrowBand::kLeafSamples, 0.0f};
     double least = INFINITY;
     for (int z = low.z; z < high.z; ++z)
       for (int y = low.y; y < high.y; ++y)
@@ -94,13 +96,13 @@ class InsideSamples {
 
   /// Visits the corners alone: no other sample of a tile reaches farther in any direction.
   template <class Visit>
-  double visitTile(const SparseField& band, const SparseField::Tile& tile, Visit&& visit) const {
+  double visitTile(const Field& band, const NarrowBand::Tile& tile, Visit&& visit) const {
     const glm::ivec3 high = glm::min(tile.low + tile.side, band.grid.dims) - 1;
     double least = INFINITY;
     for (int corner = 0; corner < 8; ++corner) {
       const glm::ivec3 sample(corner & 1 ? high.x : tile.low.x, corner & 2 ? high.y : tile.low.y,
                               corner & 4 ? high.z : tile.low.z);
-      least = std::min(least, visitSample(sample, -float(band.inside), visit));
+      least = std::min(least, visitSample(sample, -float(band.narrow->inside), visit));
     }
     return least;
   }

@@ -14,14 +14,10 @@ double rangeOf(const RenderOptions& options, const Grid& grid) {
   return options.range > 0.0 ? options.range / grid.spacing : 1.0;
 }
 
-DrawnField otherOf(const RenderOptions& options) {
-  return options.otherBand ? DrawnField(*options.otherBand) : DrawnField(*options.other);
-}
-
 }  // namespace
 
 ShownNumbers::ShownNumbers(const DrawnField& field, const RenderOptions& options)
-    : isDifference_(options.other || options.otherBand),
+    : isDifference_(options.other != nullptr),
       colouring_(isDifference_ ? differenceColouring(rangeOf(options, field.grid()))
                                : colouringOf(options.array)),
       last_(field.last()),
@@ -43,8 +39,8 @@ double ShownNumbers::OfBand::operator()(const glm::dvec3& p) const {
 ShownNumbers::Source ShownNumbers::sourceOf(const DrawnField& field, const RenderOptions& options) {
   const Grid& grid = field.grid();
   const glm::ivec3 dims = grid.dims;
-  if (field.band() && (options.other || options.otherBand)) {
-    DrawnField other = otherOf(options);
+  if (field.tree() && options.other) {
+    DrawnField other(*options.other);
     const Grid from = other.grid();
     return OfBand{.first = &field,
                   .other = std::move(other),
@@ -52,13 +48,13 @@ ShownNumbers::Source ShownNumbers::sourceOf(const DrawnField& field, const Rende
                   .shift = (grid.origin - from.origin) / from.spacing,
                   .range = rangeOf(options, grid)};
   }
-  require(!options.otherBand,
+  require(!options.other || !options.other->narrow,
           "a picture of a dense field shows no difference from a narrow band; make that dense by toDense");
   if (const LeafTree* tree = field.tree()) {
-    const Buffer<float>& numbers = numbersOf(tree->band(), options.array);
+    const Buffer<float>& numbers = numbersOf(field.field(), options.array);
     return OfLeaves{numbers, {dims, {tree, &numbers}}};
   }
-  const Field& first = *field.dense();
+  const Field& first = field.field();
   const Buffer<float>& numbers = numbersOf(options.other ? *options.other : first, options.array);
   OfDense dense{.numbers = numbers, .between = {dims, numbers.data()}, .base = {}, .scale = 1.0};
   if (options.other) {

@@ -38,10 +38,10 @@ TEST_F(CliCompare, ConvertsAndCompares) {
 TEST_F(CliCompare, ComparesNarrowBands) {
   if (!hasFieldFormat(".vdb")) GTEST_SKIP();
   const Grid grid{{645, 590, 45}, {-1.2, -1.1, -1.05}, 0.05};
-  const SparseField a = Surface(shapes::sphere(1.0, 3)).generateBand(grid),
-                    b = Surface(shapes::sphere(0.9, 3)).generateBand(grid, {.outside = 2.0, .inside = 4.0});
-  writeBand(path("a.vdb"), a);
-  writeBand(path("b.vdb"), b);
+  const Field a = Surface(shapes::sphere(1.0, 3)).generateBand(grid),
+              b = Surface(shapes::sphere(0.9, 3)).generateBand(grid, {.outside = 2.0, .inside = 4.0});
+  writeField(path("a.vdb"), a);
+  writeField(path("b.vdb"), b);
   writeField(path("b.nrrd"), toDense(b));
   const Comparison wanted = compareFields(toDense(a), toDense(b));
   EXPECT_GT(wanted.signDifferences, 1000u);

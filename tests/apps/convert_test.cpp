@@ -1,5 +1,6 @@
 #include <algorithm>
 
+#include "bands.h"
 #include "cli.h"
 #include "fill.h"
 #include "shapes.h"
@@ -117,18 +118,19 @@ TEST_F(CliConvert, KeepsLargeLevelSetsAsNarrowBands) {
   if (std::ranges::find(extensions, ".vdb") == extensions.end()) GTEST_SKIP();
   const Mesh mesh = shapes::sphere(1.0, 3);
   const Grid grid{{645, 590, 45}, {-1.2, -1.1, -1.05}, 0.05};
-  const SparseField band = Surface(mesh).generateBand(grid, {.outside = 2.0, .inside = 4.0});
+  const Field band = Surface(mesh).generateBand(grid, {.outside = 2.0, .inside = 4.0});
   const Field dense = toDense(band);
-  writeBand(path("band.vdb"), band);
+  writeField(path("band.vdb"), band);
   succeed("convert band.vdb slabs.nrrd");
   writeField(path("dense.nrrd"), dense);
   EXPECT_TRUE(readBytes(path("slabs.nrrd")) == readBytes(path("dense.nrrd")));
   succeed("convert band.vdb -o half.vdb --grid-name surface --half");
-  EXPECT_TRUE(std::ranges::equal(readBand(path("half.vdb"), {.gridName = "surface"}).leaves, band.leaves));
+  EXPECT_TRUE(std::ranges::equal(readBand(path("half.vdb"), {.gridName = "surface"}).narrow->leaves,
+                                 band.narrow->leaves));
   succeed("convert band.vdb -o mm.vdb --from cm --to mm");
-  const SparseField scaled = readBand(path("mm.vdb"));
+  const Field scaled = readBand(path("mm.vdb"));
   EXPECT_EQ(scaled.activeCount(), band.activeCount());
-  EXPECT_EQ(scaled.outside, 10.0 * band.outside);
+  EXPECT_EQ(scaled.narrow->outside, 10.0 * band.narrow->outside);
   EXPECT_EQ(scaled.grid.spacing, 10.0 * band.grid.spacing);
 
   succeed("mesh band.vdb -o band.ply");
@@ -146,7 +148,7 @@ TEST_F(CliConvert, KeepsLargeLevelSetsAsNarrowBands) {
 
   const Json info = Json::parse(succeed("info band.vdb --json").out);
   EXPECT_EQ(info["band"]["active"], band.activeCount());
-  EXPECT_EQ(info["band"]["leaves"], band.leaves.size());
+  EXPECT_EQ(info["band"]["leaves"], band.narrow->leaves.size());
   EXPECT_EQ(info["grid"]["samples"], dense.distance.size());
   EXPECT_EQ(info["clamp_distance"], dense.clampDistance);
   EXPECT_EQ(info["min"], double(*std::ranges::min_element(dense.distance)));
@@ -157,21 +159,21 @@ TEST_F(CliConvert, KeepsLargeLevelSetsAsNarrowBands) {
 
 /// Expects that a band of another lattice has the samples of `band`, up to rounding. Clamped ones have the
 /// background of the file, which is rounded up.
-void expectSameSamples(const SparseField& read, const SparseField& band, double rounding = 0.0) {
+void expectSameSamples(const Field& read, const Field& band, double rounding = 0.0) {
   EXPECT_TRUE(rounding > 0.0 || read.activeCount() == band.activeCount());
   EXPECT_DOUBLE_EQ(read.grid.spacing, band.grid.spacing);
   const glm::ivec3 offset(glm::round((read.grid.origin - band.grid.origin) / band.grid.spacing));
-  EXPECT_NEAR(read.outside, band.outside, std::max(rounding, 1e-7 * band.outside));
+  EXPECT_NEAR(read.narrow->outside, band.narrow->outside, std::max(rounding, 1e-7 * band.narrow->outside));
   const auto clamped = [&](float distance) {
-    if (distance == float(band.outside)) return float(read.outside);
-    return distance == -float(band.inside) ? -float(read.inside) : distance;
+    if (distance == float(band.narrow->outside)) return float(read.narrow->outside);
+    return distance == -float(band.narrow->inside) ? -float(read.narrow->inside) : distance;
   };
   size_t different = 0;
-  for (size_t l = 0; l < read.leaves.size(); ++l)
-    for (int i = 0; i < int(SparseField::kLeafSamples); ++i) {
+  for (size_t l = 0; l < read.narrow->leaves.size(); ++l)
+    for (int i = 0; i < int(NarrowBand::kLeafSamples); ++i) {
       const glm::ivec3 within(i % 8, i / 8 % 8, i / 64);
-      const float expected = clamped(band.distanceAt(read.leaves[l] + within + offset));
-      const float found = read.distance[l * SparseField::kLeafSamples + size_t(i)];
+      const float expected = clamped(band.distanceAt(read.narrow->leaves[l] + within + offset));
+      const float found = read.distance[l * NarrowBand::kLeafSamples + size_t(i)];
       different += std::abs(double(found) - expected) <= rounding ? 0 : 1;
     }
   EXPECT_EQ(different, 0U);
@@ -182,12 +184,12 @@ TEST_F(CliConvert, AgreesWithNanoVdbsTools) {
   if (std::ranges::find(extensions, ".nvdb") == extensions.end()) GTEST_SKIP();
   if (shell("type nanovdb_validate nanovdb_convert").code != 0) GTEST_SKIP() << "without libnanovdb-tools";
   const Mesh mesh = shapes::torus(1.0, 0.4, 40, 20);
-  const SparseField band = Surface(mesh).generateBand(fitGrid(mesh, {.resolution = 90}), {.triangle = true});
-  const SparseField other = Surface(mesh).generateBand(fitGrid(mesh, {.resolution = 30}), {.winding = true});
-  writeBand(path("band.vdb"), band);
+  const Field band = Surface(mesh).generateBand(fitGrid(mesh, {.resolution = 90}), {.triangle = true});
+  const Field other = Surface(mesh).generateBand(fitGrid(mesh, {.resolution = 30}), {.winding = true});
+  writeField(path("band.vdb"), band);
   succeed("convert band.vdb band.nvdb");
   EXPECT_TRUE(std::ranges::equal(readBand(path("band.nvdb")).distance, band.distance));
-  writeBands(path("both.nvdb"), std::array{NamedBand{"a", &band}, NamedBand{"b", &other}});
+  writeFields(path("both.nvdb"), std::array{NamedField{"a", &band}, NamedField{"b", &other}});
   writeField(path("dense.nvdb"), toDense(band));
   succeed("convert band.vdb half.nvdb --half");
   for (const char* name :
@@ -204,7 +206,7 @@ TEST_F(CliConvert, AgreesWithNanoVdbsTools) {
   EXPECT_EQ(shell("nanovdb_convert -f -g distance band.nvdb again.vdb").code, 0);
   expectSameSamples(readBand(path("again.vdb")), band);
   EXPECT_EQ(shell("nanovdb_convert -f --fp16 -g distance band.vdb rounded.nvdb").code, 0);
-  const double rounding = 1.02 * band.outside / 65535.0;
+  const double rounding = 1.02 * band.narrow->outside / 65535.0;
   expectSameSamples(readBand(path("rounded.nvdb")), band, rounding);
   EXPECT_EQ(shell("nanovdb_convert -f -g distance half.nvdb again.vdb").code, 0);
   expectSameSamples(readBand(path("again.vdb")), band, rounding);
@@ -215,10 +217,10 @@ TEST_F(CliConvert, ReadsTheGridThatItIsTold) {
   if (std::ranges::find(extensions, ".vdb") == extensions.end()) GTEST_SKIP();
   const Mesh mesh = shapes::sphere(1.0, 3);
   const Grid grid = fitGrid(mesh, {.resolution = 20});
-  const SparseField near = Surface(mesh).generateBand(grid),
-                    far = Surface(mesh).generateBand(grid, {.outside = 5.0});
+  const Field near = Surface(mesh).generateBand(grid),
+              far = Surface(mesh).generateBand(grid, {.outside = 5.0});
   for (const std::string file : {"both.vdb", "both.nvdb"}) {
-    writeBands(path(file), std::array{NamedBand{"near", &near}, NamedBand{"far", &far}});
+    writeFields(path(file), std::array{NamedField{"near", &near}, NamedField{"far", &far}});
     const auto convert = [&](const std::string& name) {
       return "convert " + file + " read.npz --grid " + name;
     };
@@ -226,7 +228,7 @@ TEST_F(CliConvert, ReadsTheGridThatItIsTold) {
     EXPECT_TRUE(std::ranges::equal(readField(path("read.npz")).distance, toDense(near).distance));
     expectFailure(convert("middle"), ErrorCode::Usage, "no grid 'middle'; its grids are 'far', 'near'");
     const Json info = Json::parse(succeed("info --json --grid near " + file).out);
-    EXPECT_EQ(info["max"], double(float(near.outside)));
+    EXPECT_EQ(info["max"], double(float(near.narrow->outside)));
     succeed("mesh --grid near -o a.ply " + file);
     std::ofstream(path("points.csv")) << "x,y,z\n0.9,0.1,0\n";
     succeed("query --grid near -o a.csv " + file + " points.csv");
@@ -243,15 +245,14 @@ TEST_F(CliConvert, WritesSeveralBandsIntoOneFile) {
   const std::vector<std::string> extensions = fieldExtensions();
   if (std::ranges::find(extensions, ".vdb") == extensions.end()) GTEST_SKIP();
   const Mesh mesh = shapes::sphere(1.0, 3);
-  const SparseField body = Surface(mesh).generateBand(fitGrid(mesh, {.resolution = 20})),
-                    hull =
-                        Surface(mesh).generateBand({{30, 20, 10}, glm::dvec3(-1.0), 0.1}, {.winding = true});
-  writeBand(path("body.vdb"), body);
-  writeBand(path("hull.nvdb"), hull, {.gridName = "surface"});
+  const Field body = Surface(mesh).generateBand(fitGrid(mesh, {.resolution = 20})),
+              hull = Surface(mesh).generateBand({{30, 20, 10}, glm::dvec3(-1.0), 0.1}, {.winding = true});
+  writeField(path("body.vdb"), body);
+  writeField(path("hull.nvdb"), hull, {.gridName = "surface"});
   for (const std::string file : {"both.vdb", "both.nvdb"}) {
     succeed("convert body.vdb hull.nvdb -o " + file);
     expectSameSamples(readBand(path(file), {.gridName = "body"}), body);
-    const SparseField read = readBand(path(file), {.gridName = "hull"});
+    const Field read = readBand(path(file), {.gridName = "hull"});
     expectSameSamples(read, hull);
     EXPECT_TRUE(std::ranges::equal(read.winding, hull.winding));
     const Result info = run("info --json " + file);  // The first by name, and a warning of the others.

@@ -61,7 +61,7 @@ TEST_F(CliGenerate, MakesANarrowBandOfManySamples) {
   EXPECT_EQ(stages("60 -o few.vdb").find("narrow_band"), std::string::npos);
   EXPECT_NE(stages("260 -o many.vdb").find("narrow_band"), std::string::npos);
   const Field field = readField(path("many.vdb"));
-  const SparseField band = Surface(mesh).generateBand(field.grid);
+  const Field band = Surface(mesh).generateBand(field.grid);
   EXPECT_EQ(field.clampDistance, 3.0 * field.grid.spacing);
   size_t different = 0;
   for (size_t s = 0; s < field.distance.size(); ++s)

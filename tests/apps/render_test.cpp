@@ -84,8 +84,8 @@ TEST_F(CliRender, DrawsNarrowBands) {
   const std::vector<std::string> extensions = fieldExtensions();
   if (std::ranges::find(extensions, ".vdb") == extensions.end()) GTEST_SKIP();
   const Mesh ball = shapes::sphere(1.0, 2);
-  const SparseField band = Surface(ball).generateBand(fitGrid(ball, {.resolution = 260}), {.winding = true});
-  writeBand(path("band.vdb"), band);
+  const Field band = Surface(ball).generateBand(fitGrid(ball, {.resolution = 260}), {.winding = true});
+  writeField(path("band.vdb"), band);
   const RenderOptions options{.width = 64, .height = 48};
   const auto expectDrawn = [&](const std::string& arguments, const Picture& expected) {
     succeed("render band.vdb " + arguments + " -o p.png --size 64 48");
@@ -101,10 +101,10 @@ TEST_F(CliRender, DrawsNarrowBands) {
   expectDrawn("--cut --as winding", renderField(band, ofWinding));
   // Two of them, of which neither becomes dense, and one beside a dense field or a mesh.
   const Mesh small = shapes::sphere(0.99, 2);
-  const SparseField other = Surface(small).generateBand(fitGrid(small, {.resolution = 258}));
-  writeBand(path("other.vdb"), other);
+  const Field other = Surface(small).generateBand(fitGrid(small, {.resolution = 258}));
+  writeField(path("other.vdb"), other);
   RenderOptions ofBoth = options;
-  ofBoth.otherBand = &other;
+  ofBoth.other = &other;
   ofBoth.range = 0.02;
   expectDrawn("other.vdb --range 0.02", renderField(band, ofBoth));
   expectDrawn("other.vdb --cut --as winding", renderField(band, ofWinding));
@@ -112,7 +112,6 @@ TEST_F(CliRender, DrawsNarrowBands) {
   expectDrawn("small.ply --cut --as winding", renderField(band, ofWinding));
   succeed("generate small.ply -o dense.nrrd --resolution 40");
   const Field dense = readField(path("dense.nrrd"));
-  ofBoth.otherBand = nullptr;
   ofBoth.other = &dense;
   expectDrawn("dense.nrrd --range 0.02", renderField(band, ofBoth));
   expectFailure("render band.vdb other.vdb -o n.png --device vulkan", ErrorCode::Usage, "drawn on the CPU");
@@ -143,13 +142,13 @@ TEST_F(CliRender, WritesPagesOfNarrowBands) {
   const std::vector<std::string> extensions = fieldExtensions();
   if (std::ranges::find(extensions, ".vdb") == extensions.end()) GTEST_SKIP();
   const auto write = [&](const std::string& file, const Mesh& mesh, int resolution) {
-    SparseField band = Surface(mesh).generateBand(fitGrid(mesh, {.resolution = resolution, .padding = 1.5}),
-                                                  {.confidence = true});
-    writeBand(path(file), band);
+    Field band = Surface(mesh).generateBand(fitGrid(mesh, {.resolution = resolution, .padding = 1.5}),
+                                            {.confidence = true});
+    writeField(path(file), band);
     return band;
   };
   const Mesh ball = shapes::sphere(1.0, 2), small = shapes::sphere(0.9, 2);
-  const SparseField band = write("band.vdb", ball, 260), other = write("other.vdb", small, 258);
+  const Field band = write("band.vdb", ball, 260), other = write("other.vdb", small, 258);
   writeMesh(path("small.ply"), small);
   const MachineOptions onCpu{.device = "cpu"};
   const Field dense = generate(small, fitGrid(small, {.resolution = 20}), {}, onCpu).field;
@@ -178,11 +177,11 @@ TEST_F(CliRender, WritesPagesOfNarrowBands) {
   both = {.title = "band.vdb", .other = &dense, .otherTitle = "dense.npz"};
   out = expectPage("band.vdb dense.npz", pageOf(band, both));
   EXPECT_NE(out.find("it shows dense.npz on the grid of band.vdb"), std::string::npos) << out;
-  both = {.title = "band.vdb", .otherBand = &other, .otherTitle = "other.vdb"};
+  both = {.title = "band.vdb", .other = &other, .otherTitle = "other.vdb"};
   expectPage("band.vdb other.vdb", pageOf(band, both));
-  both = {.title = "dense.npz", .otherBand = &band, .otherTitle = "band.vdb"};
+  both = {.title = "dense.npz", .other = &band, .otherTitle = "band.vdb"};
   expectPage("dense.npz band.vdb", pageOf(dense, both));
-  both = {.title = "small.ply", .mesh = small, .otherBand = &band, .otherTitle = "band.vdb"};
+  both = {.title = "small.ply", .mesh = small, .other = &band, .otherTitle = "band.vdb"};
   expectPage("small.ply band.vdb", pageOf(onPage, both));
   expectFailure("render band.vdb --as confidence" + options, ErrorCode::Usage, "draw it as a picture");
   expectFailure("render band.vdb --max-size 1 -o page.html", ErrorCode::Usage, "at least 2 samples");

@@ -131,7 +131,7 @@ class Terminal {
     std::string seen;
     while (seen.find(text) == std::string::npos) {
       char bytes[256];
-      const ssize_t count = read(master_, bytes, sizeof bytes);
+      const ssize_t count = ::read(master_, bytes, sizeof bytes);
       ASSERT_GT(count, 0) << seen;
       seen.append(bytes, static_cast<size_t>(count));
     }

@@ -125,24 +125,24 @@ void expectSame(const raymap_picture* given, const Picture& picture) {
 }
 
 /// Expects a narrow band of C to have these leaves, tiles and values.
-void expectSame(const raymap_field* given, const SparseField& band) {
+void expectSame(const raymap_field* given, const Field& band) {
   ASSERT_NE(given, nullptr) << raymap_last_error_message();
-  ASSERT_EQ(raymap_field_leaf_count(given), band.leaves.size());
-  ASSERT_EQ(raymap_field_tile_count(given), band.tiles.size());
+  ASSERT_EQ(raymap_field_leaf_count(given), band.narrow->leaves.size());
+  ASSERT_EQ(raymap_field_tile_count(given), band.narrow->tiles.size());
   const Handle<char, raymap_text_free> text(raymap_field_json(given));
   const Json json = Json::parse(text.get());
   EXPECT_EQ(json["active"], band.activeCount());
   EXPECT_EQ(json["bytes"], band.bytes());
-  EXPECT_EQ(json["outside"], band.outside);
-  EXPECT_EQ(json["inside"], band.inside);
+  EXPECT_EQ(json["outside"], band.narrow->outside);
+  EXPECT_EQ(json["inside"], band.narrow->inside);
   const auto expectValues = [](const void* data, const auto& values) {
     ASSERT_EQ(data == nullptr, values.empty());
     if (data) {
       EXPECT_EQ(std::memcmp(data, values.data(), values.size() * sizeof values[0]), 0);
     }
   };
-  expectValues(raymap_field_leaves(given), band.leaves);
-  expectValues(raymap_field_tiles(given), band.tiles);
+  expectValues(raymap_field_leaves(given), band.narrow->leaves);
+  expectValues(raymap_field_tiles(given), band.narrow->tiles);
   expectValues(raymap_field_distance(given), band.distance);
   expectValues(raymap_field_triangle(given), band.triangle);
   expectValues(raymap_field_winding(given), band.winding);
@@ -289,7 +289,7 @@ TEST_F(CResults, BandsAreThoseOfCpp) {
       .outside = 2.0, .inside = 3.5, .triangle = true, .winding = true, .confidence = true};
   using CField = Handle<raymap_field, raymap_field_free>;
   const CField made(raymap_surface_generate_band(cSurface.get(), &cGrid, cOptions_.get()));
-  const SparseField band = Surface(mesh_).generateBand(grid, options);
+  const Field band = Surface(mesh_).generateBand(grid, options);
   expectSame(made.get(), band);
 
   const CField dense(raymap_generate(cMesh_.get(), &cGrid, cOptions_.get()));
@@ -316,7 +316,7 @@ TEST_F(CResults, PicturesOfBandsAreThoseOfCpp) {
   const Handle<raymap_surface, raymap_surface_free> surface(raymap_surface_create(cMesh_.get(), nullptr));
   const Handle<raymap_field, raymap_field_free> cBand(
       raymap_surface_generate_band(surface.get(), &cGrid, cOptions_.get()));
-  const SparseField band = Surface(mesh_).generateBand(grid, {.winding = true});
+  const Field band = Surface(mesh_).generateBand(grid, {.winding = true});
   const RenderOptions how{.width = 60, .height = 40, .cut = true};
   expectSame(Drawn(raymap_render_field(cBand.get(), cOptions_.get())).get(),
              renderField(band, how, {.device = "cpu"}));
@@ -325,7 +325,7 @@ TEST_F(CResults, PicturesOfBandsAreThoseOfCpp) {
   const TemporaryFolder folder;
   const std::string path = (folder.path() / "band.html").string();
   ASSERT_EQ(raymap_write_page(cBand.get(), path.c_str(), nullptr, cBand.get(), cOptions_.get()), RAYMAP_OK);
-  const PageOptions shown{.title = "a band", .maxSize = 20, .otherBand = &band};
+  const PageOptions shown{.title = "a band", .maxSize = 20, .other = &band};
   EXPECT_EQ(readBytes(path), makePage(band, how, shown, {.device = "cpu"}).html);
   set(R"({"array": "winding", "width": 50})");
   expectSame(Drawn(raymap_render_slice(cBand.get(), 1, 5, cOptions_.get())).get(),

@@ -34,21 +34,21 @@ glm::ivec3 sampleOf(const Grid& grid, size_t index) {
 /// Expects what a query gave at every sample of the lattice.
 void expectQueried(const Surface& surface, const Grid& grid, const QueryResult& all,
                    const BandOptions& options) {
-  const SparseField band = surface.generateBand(grid, options);
-  EXPECT_EQ(band.outside, options.outside * grid.spacing);
-  EXPECT_EQ(band.inside, options.inside * grid.spacing);
+  const Field band = surface.generateBand(grid, options);
+  EXPECT_EQ(band.narrow->outside, options.outside * grid.spacing);
+  EXPECT_EQ(band.narrow->inside, options.inside * grid.spacing);
   size_t active = 0;
   for (size_t i = 0; i < all.distance.size(); ++i) {
-    const auto expected = float(std::clamp(all.distance[i], -band.inside, band.outside));
+    const auto expected = float(std::clamp(all.distance[i], -band.narrow->inside, band.narrow->outside));
     ASSERT_EQ(band.distanceAt(sampleOf(grid, i)), expected) << i;
-    const std::optional<size_t> place = band.find(sampleOf(grid, i));
-    active += band.isActive(expected);
+    const std::optional<size_t> place = band.narrow->find(sampleOf(grid, i));
+    active += band.narrow->isActive(expected);
     if (!place) {
-      ASSERT_FALSE(band.isActive(expected)) << i;
+      ASSERT_FALSE(band.narrow->isActive(expected)) << i;
       continue;
     }
     if (options.triangle) {
-      ASSERT_EQ(band.triangle[*place], band.isActive(expected) ? all.triangle[i] : kNoTriangle) << i;
+      ASSERT_EQ(band.triangle[*place], band.narrow->isActive(expected) ? all.triangle[i] : kNoTriangle) << i;
     }
     if (options.winding) {
       ASSERT_EQ(band.winding[*place], all.winding[i]) << i;
@@ -85,28 +85,28 @@ TEST(NarrowBand, HasWhatAQueryGives) {
 TEST(NarrowBand, HasLeavesAndTilesInOrder) {
   const Mesh mesh = shapes::box({0, 0, 0}, {1, 1, 1});
   const Grid grid = fitGrid(mesh, {.resolution = 200});
-  const SparseField band = Surface(mesh).generateBand(grid);
-  EXPECT_GT(band.tiles.size(), 0u);
+  const Field band = Surface(mesh).generateBand(grid);
+  EXPECT_GT(band.narrow->tiles.size(), 0u);
   size_t inside = 0;
-  for (const SparseField::Tile& tile : band.tiles) {
+  for (const NarrowBand::Tile& tile : band.narrow->tiles) {
     EXPECT_EQ(tile.low % tile.side, glm::ivec3(0));
     for (const glm::ivec3& at : {tile.low, tile.low + tile.side - 1}) {
-      EXPECT_EQ(band.distanceAt(at), -float(band.inside));
-      EXPECT_FALSE(band.find(at));
+      EXPECT_EQ(band.distanceAt(at), -float(band.narrow->inside));
+      EXPECT_FALSE(band.narrow->find(at));
     }
     inside += size_t(tile.side) * size_t(tile.side) * size_t(tile.side);
   }
   for (const float value : band.distance) inside += value < 0.0f;
   EXPECT_NEAR(double(inside), std::pow(1.0 / grid.spacing, 3), 0.03 * double(inside));
   // Each leaf is needed: some sample is in the band.
-  for (size_t leaf = 0; leaf < band.leaves.size(); ++leaf) {
-    const float* values = band.distance.data() + leaf * SparseField::kLeafSamples;
-    EXPECT_TRUE(std::any_of(values, values + SparseField::kLeafSamples,
-                            [&](float value) { return band.isActive(value); }));
-    EXPECT_EQ(band.find(band.leaves[leaf]), leaf * SparseField::kLeafSamples);
+  for (size_t leaf = 0; leaf < band.narrow->leaves.size(); ++leaf) {
+    const float* values = band.distance.data() + leaf * NarrowBand::kLeafSamples;
+    EXPECT_TRUE(std::any_of(values, values + NarrowBand::kLeafSamples,
+                            [&](float value) { return band.narrow->isActive(value); }));
+    EXPECT_EQ(band.narrow->find(band.narrow->leaves[leaf]), leaf * NarrowBand::kLeafSamples);
   }
-  EXPECT_EQ(band.distanceAt({-1, 0, 0}), float(band.outside));
-  EXPECT_EQ(band.distanceAt({100, 100, 100000}), float(band.outside));
+  EXPECT_EQ(band.distanceAt({-1, 0, 0}), float(band.narrow->outside));
+  EXPECT_EQ(band.distanceAt({100, 100, 100000}), float(band.narrow->outside));
 }
 
 // The spacing is a power of two, so that positions are exact.
@@ -115,11 +115,11 @@ TEST(NarrowBand, DoesNotDependOnTheCut) {
   const Grid whole{
       .dims = {90, 90, 30}, .origin = glm::dvec3(-1.40625, -1.40625, -0.46875), .spacing = 0.03125};
   const Surface surface(mesh);
-  const SparseField all = surface.generateBand(whole);
+  const Field all = surface.generateBand(whole);
   for (const glm::ivec3& shift : {glm::ivec3(1, 2, 3), glm::ivec3(8, 0, 16), glm::ivec3(37, 50, 5)}) {
     const Grid part{
         .dims = {41, 33, 9}, .origin = whole.position(glm::dvec3(shift)), .spacing = whole.spacing};
-    const SparseField cut = surface.generateBand(part);
+    const Field cut = surface.generateBand(part);
     for (size_t i = 0; i < part.sampleCount(); ++i)
       ASSERT_EQ(cut.distanceAt(sampleOf(part, i)), all.distanceAt(sampleOf(part, i) + shift)) << i;
   }
@@ -130,18 +130,18 @@ TEST(NarrowBand, DoesNotDependOnTheThreads) {
   const Grid grid = fitGrid(mesh, {.resolution = 100});
   const Surface surface(mesh);
   const BandOptions options{.triangle = true, .winding = true, .confidence = true};
-  const SparseField one = surface.generateBand(grid, options, {.threads = 1}),
-                    many = surface.generateBand(grid, options, {.threads = 3});
-  ASSERT_EQ(one.leaves.size(), many.leaves.size());
+  const Field one = surface.generateBand(grid, options, {.threads = 1}),
+              many = surface.generateBand(grid, options, {.threads = 3});
+  ASSERT_EQ(one.narrow->leaves.size(), many.narrow->leaves.size());
   const auto same = [](const auto& a, const auto& b) {
     return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(*a.data())) == 0;
   };
-  EXPECT_TRUE(same(one.leaves, many.leaves));
+  EXPECT_TRUE(same(one.narrow->leaves, many.narrow->leaves));
   EXPECT_TRUE(same(one.distance, many.distance));
   EXPECT_TRUE(same(one.triangle, many.triangle));
   EXPECT_TRUE(same(one.winding, many.winding));
   EXPECT_TRUE(same(one.confidence, many.confidence));
-  EXPECT_TRUE(same(one.tiles, many.tiles));
+  EXPECT_TRUE(same(one.narrow->tiles, many.narrow->tiles));
 }
 
 // 2^60 samples: more than 32 bits, or a float, can number.
@@ -151,12 +151,13 @@ TEST(NarrowBand, HasHugeLattices) {
   const Grid grid{.dims = glm::ivec3(1 << 20),
                   .origin = glm::dvec3(1e7, -1e7, 0) - spacing * glm::dvec3((1 << 20) - 40),
                   .spacing = spacing};
-  const SparseField band = Surface(mesh).generateBand(grid);
+  const Field band = Surface(mesh).generateBand(grid);
   size_t active = 0;
   for (size_t i = 0; i < band.distance.size(); i += 7) {
-    if (!band.isActive(band.distance[i])) continue;
+    if (!band.narrow->isActive(band.distance[i])) continue;
     const glm::ivec3 within = {i % 8, i / 8 % 8, i / 64 % 8};
-    const glm::dvec3 p = grid.position(glm::dvec3(band.leaves[i / SparseField::kLeafSamples] + within));
+    const glm::dvec3 p =
+        grid.position(glm::dvec3(band.narrow->leaves[i / NarrowBand::kLeafSamples] + within));
     ASSERT_NEAR(std::abs(band.distance[i]), reference::distance(mesh, p), 2e-6);
     ASSERT_EQ(band.distance[i]<0.0f, std::abs(reference::windingNumber(mesh, p))> 0.5);
     ++active;
@@ -168,10 +169,10 @@ TEST(NarrowBand, HasNoInsideWithoutASign) {
   const Mesh mesh = shapes::sphere(1.0, 3);
   const Grid grid = fitGrid(mesh, {.resolution = 40});
   const Surface surface(mesh, {.sign = SignMode::None});
-  const SparseField band = surface.generateBand(grid);
-  EXPECT_TRUE(band.tiles.empty());
+  const Field band = surface.generateBand(grid);
+  EXPECT_TRUE(band.narrow->tiles.empty());
   for (const float value : band.distance) ASSERT_GE(value, 0.0f);
-  EXPECT_EQ(band.distanceAt(grid.dims / 2), float(band.outside));
+  EXPECT_EQ(band.distanceAt(grid.dims / 2), float(band.narrow->outside));
   EXPECT_EQ(codeOf([&] { surface.generateBand(grid, {.winding = true}); }), ErrorCode::Usage);
   EXPECT_EQ(codeOf([&] { surface.generateBand(grid, {.confidence = true}); }), ErrorCode::Usage);
 }

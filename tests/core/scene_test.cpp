@@ -148,7 +148,7 @@ TEST(Scene, LeavingFieldsOutChangesNoBit) {
     const std::vector<glm::dmat4> poses = randomPoses(fields.size() + 2, seed);
     Scene scene;
     for (size_t b = 0; b < fields.size(); ++b) scene.add(std::to_string(b), fields[b], poses[b]);
-    scene.add("sparse", std::make_shared<const SparseField>(toSparse(*fields[0])), poses[fields.size()]);
+    scene.add("sparse", std::make_shared<const Field>(toSparse(*fields[0])), poses[fields.size()]);
     scene.add("surface", prepared(box), poses[fields.size() + 1]);
     expectSameIfAllAreAsked(scene, seed);
   }
@@ -273,7 +273,7 @@ TEST(Scene, MorePointsThanAreAnsweredTogether) {
 TEST(Scene, AFieldIsSampled) {
   const Mesh ball = shapes::sphere(1.0, 3);
   const auto field = std::make_shared<const Field>(sceneField(ball));
-  const auto band = std::make_shared<const SparseField>(toSparse(*field));
+  const auto band = std::make_shared<const Field>(toSparse(*field));
   std::mt19937 random(1);
   const glm::dmat4 pose = randomPose(random, 1.0), other = randomPose(random, 1.0);
   Scene scene;

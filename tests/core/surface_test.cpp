@@ -596,7 +596,7 @@ TEST(Surface, GivesTheSameIfItIsCompact) {
       }
       const BandOptions band{.triangle = true, .winding = isSigned};
       const Grid grid = fitGrid(mesh, {.resolution = 40});
-      const SparseField expected = surface.generateBand(grid, band), found = compact.generateBand(grid, band);
+      const Field expected = surface.generateBand(grid, band), found = compact.generateBand(grid, band);
       EXPECT_TRUE(sameBits(found.distance, expected.distance));
       EXPECT_TRUE(sameBits(found.triangle, expected.triangle));
       EXPECT_TRUE(sameBits(found.winding, expected.winding));

@@ -10,6 +10,7 @@
 #include <limits>
 #include <span>
 
+#include "bands.h"
 #include "files.h"
 #include "shapes.h"
 
@@ -50,14 +51,14 @@ TEST_P(BandFiles, KeepsWhatABandHas) {
   for (const BandOptions& options : {BandOptions{}, BandOptions{.outside = 2.0, .inside = 4.0},
                                      BandOptions{.inside = std::numeric_limits<double>::infinity()},
                                      BandOptions{.triangle = true, .winding = true, .confidence = true}}) {
-    const SparseField band = scene_.surface.generateBand(scene_.grid, options);
-    writeBand(file, band);
+    const Field band = scene_.surface.generateBand(scene_.grid, options);
+    writeField(file, band);
     const Field read = readField(file);
     ASSERT_EQ(read.grid.dims, band.grid.dims);
     EXPECT_EQ(read.grid.spacing, band.grid.spacing);
     EXPECT_EQ(read.surfaceBounds.min, band.surfaceBounds.min);
     EXPECT_EQ(read.surfaceBounds.max, bounds(scene_.mesh).max);
-    EXPECT_EQ(read.clampDistance, options.inside == options.outside ? band.outside : 0.0);
+    EXPECT_EQ(read.clampDistance, options.inside == options.outside ? band.narrow->outside : 0.0);
     EXPECT_EQ(read.triangle.empty(), !options.triangle);
     EXPECT_EQ(read.winding.empty(), !options.winding);
     EXPECT_EQ(read.confidence.empty(), !options.confidence);
@@ -65,7 +66,7 @@ TEST_P(BandFiles, KeepsWhatABandHas) {
     for (size_t s = 0; s < read.distance.size(); ++s) {
       const glm::ivec3 sample(int(s) % dims.x, int(s) / dims.x % dims.y, int(s) / dims.x / dims.y);
       ASSERT_EQ(read.distance[s], band.distanceAt(sample)) << s;
-      const std::optional<size_t> place = band.find(sample);
+      const std::optional<size_t> place = band.narrow->find(sample);
       if (options.triangle) {
         ASSERT_EQ(read.triangle[s], place ? band.triangle[*place] : kNoTriangle) << s;
       }
@@ -78,9 +79,9 @@ TEST_P(BandFiles, KeepsWhatABandHas) {
 }
 
 TEST_P(BandFiles, HasTheSameBytesEachTime) {
-  const SparseField band = scene_.surface.generateBand(scene_.grid, {.triangle = true});
-  writeBand(path("a"), band);
-  writeBand(folder_.path() / "b", band, {.format = GetParam()});
+  const Field band = scene_.surface.generateBand(scene_.grid, {.triangle = true});
+  writeField(path("a"), band);
+  writeField(folder_.path() / "b", band, {.format = GetParam()});
   EXPECT_EQ(readBytes(path("a")), readBytes(folder_.path() / "b"));
 }
 
@@ -98,8 +99,8 @@ std::string whyRefused(Write&& write) {
 
 TEST_P(BandFiles, HasAGridOfAnyName) {
   const fs::path file = path("named");
-  const SparseField band = scene_.surface.generateBand(scene_.grid, {.winding = true});
-  writeBand(file, band, {.gridName = "surface"});
+  const Field band = scene_.surface.generateBand(scene_.grid, {.winding = true});
+  writeField(file, band, {.gridName = "surface"});
   const std::string bytes = readBytes(file);
   EXPECT_NE(bytes.find("surface"), std::string::npos);
   const Field read = readField(file);
@@ -126,16 +127,16 @@ double halfError(const std::string& format, double value, double range) {
 
 TEST_P(BandFiles, HoldsHalfFloats) {
   const fs::path whole = path("whole"), half = path("half");
-  const SparseField band = scene_.surface.generateBand(scene_.grid, {.triangle = true});
-  writeBand(whole, band);
-  writeBand(half, band, {.half = true});
+  const Field band = scene_.surface.generateBand(scene_.grid, {.triangle = true});
+  writeField(whole, band);
+  writeField(half, band, {.half = true});
   EXPECT_LT(fs::file_size(half), (GetParam() == ".vdb" ? 0.8 : 0.85) * double(fs::file_size(whole)));
   const Field exact = readField(whole), rounded = readField(half);
   EXPECT_EQ(rounded.clampDistance, exact.clampDistance);
   EXPECT_TRUE(std::ranges::equal(rounded.triangle, exact.triangle));
   for (size_t s = 0; s < exact.distance.size(); ++s)
     ASSERT_NEAR(rounded.distance[s], exact.distance[s],
-                halfError(GetParam(), exact.distance[s], band.outside + band.inside))
+                halfError(GetParam(), exact.distance[s], band.narrow->outside + band.narrow->inside))
         << s;
   const Grid coarse = fitGrid(scene_.mesh, {.resolution = 45});
   for (const double width : {3.0, 0.0}) {
@@ -151,20 +152,20 @@ TEST_P(BandFiles, HoldsHalfFloats) {
 }
 
 TEST_P(BandFiles, HoldsHalfFloatsOfEachArray) {
-  const SparseField band =
+  const Field band =
       scene_.surface.generateBand(scene_.grid, {.triangle = true, .winding = true, .confidence = true});
-  writeBand(path("a"), band, {.half = true});
-  writeBand(path("b"), band, {.half = true});
+  writeField(path("a"), band, {.half = true});
+  writeField(path("b"), band, {.half = true});
   EXPECT_EQ(readBytes(path("a")), readBytes(path("b")));
-  const SparseField read = readBand(path("a"));
-  EXPECT_TRUE(std::ranges::equal(read.leaves, band.leaves));
+  const Field read = readBand(path("a"));
+  EXPECT_TRUE(std::ranges::equal(read.narrow->leaves, band.narrow->leaves));
   EXPECT_TRUE(std::ranges::equal(read.triangle, band.triangle));
   size_t even = 0;  // Leaves with one confidence.
-  for (size_t leaf = 0; leaf < band.leaves.size(); ++leaf)
-    for (const auto array : {&SparseField::distance, &SparseField::winding, &SparseField::confidence}) {
-      const std::span expected((band.*array).data() + leaf * SparseField::kLeafSamples,
-                               SparseField::kLeafSamples);
-      const float* found = (read.*array).data() + leaf * SparseField::kLeafSamples;
+  for (size_t leaf = 0; leaf < band.narrow->leaves.size(); ++leaf)
+    for (const auto array : {&Field::distance, &Field::winding, &Field::confidence}) {
+      const std::span expected((band.*array).data() + leaf * NarrowBand::kLeafSamples,
+                               NarrowBand::kLeafSamples);
+      const float* found = (read.*array).data() + leaf * NarrowBand::kLeafSamples;
       const auto [least, most] = std::ranges::minmax(expected);
       even += least == most ? 1 : 0;
       for (size_t s = 0; s < expected.size(); ++s)
@@ -204,18 +205,18 @@ TEST(BandFile, RefusesWhatHalfFloatsCannotHold) {
   }
 }
 
-void expectSame(const SparseField& read, const SparseField& band) {
+void expectSame(const Field& read, const Field& band) {
   EXPECT_EQ(read.grid, band.grid);
-  EXPECT_EQ(read.outside, band.outside);
-  EXPECT_EQ(read.inside, band.inside);
+  EXPECT_EQ(read.narrow->outside, band.narrow->outside);
+  EXPECT_EQ(read.narrow->inside, band.narrow->inside);
   EXPECT_EQ(read.surfaceBounds.min, band.surfaceBounds.min);
   EXPECT_EQ(read.surfaceBounds.max, band.surfaceBounds.max);
   const auto expectSameBytes = [](const auto& a, const auto& b, const char* array) {
     const auto left = std::as_bytes(std::span(a)), right = std::as_bytes(std::span(b));
     EXPECT_TRUE(std::ranges::equal(left, right)) << array << ": " << left.size() << ", " << right.size();
   };
-  expectSameBytes(read.leaves, band.leaves, "leaves");
-  expectSameBytes(read.tiles, band.tiles, "tiles");
+  expectSameBytes(read.narrow->leaves, band.narrow->leaves, "leaves");
+  expectSameBytes(read.narrow->tiles, band.narrow->tiles, "tiles");
   expectSameBytes(read.distance, band.distance, "distance");
   expectSameBytes(read.triangle, band.triangle, "triangle");
   expectSameBytes(read.winding, band.winding, "winding");
@@ -233,8 +234,8 @@ TEST_P(BandFiles, ComesBackAsABand) {
           BandOptions{.outside = 1.0, .inside = 99.0}, BandOptions{.inside = kInfinite},
           BandOptions{
               .outside = 1.0, .inside = 0.7, .triangle = true, .winding = true, .confidence = true}}) {
-      const SparseField band = scene_.surface.generateBand(grid, options);
-      writeBand(file, band, {.gridName = options.triangle ? "surface" : ""});
+      const Field band = scene_.surface.generateBand(grid, options);
+      writeField(file, band, {.gridName = options.triangle ? "surface" : ""});
       expectSame(readBand(file), band);
     }
 }
@@ -243,19 +244,19 @@ TEST_P(BandFiles, ComesBackFromHalfFloats) {
   const fs::path half = path("half");
   constexpr double kInfinite = std::numeric_limits<double>::infinity();
   for (const double inside : {2.9, kInfinite}) {
-    const SparseField band =
+    const Field band =
         scene_.surface.generateBand(scene_.grid, {.outside = 2.0, .inside = inside, .triangle = true});
-    writeBand(half, band, {.half = true});
-    const SparseField read = readBand(half);
+    writeField(half, band, {.half = true});
+    const Field read = readBand(half);
     const Field dense = readField(half);
-    EXPECT_TRUE(std::ranges::equal(read.leaves, band.leaves));
-    EXPECT_EQ(read.tiles.size(), band.tiles.size());
+    EXPECT_TRUE(std::ranges::equal(read.narrow->leaves, band.narrow->leaves));
+    EXPECT_EQ(read.narrow->tiles.size(), band.narrow->tiles.size());
     EXPECT_TRUE(std::ranges::equal(read.triangle, band.triangle));
     // A .nvdb rounds neither width.
     const double rounding = GetParam() == ".vdb" ? 0.0005 : 0.0;
-    EXPECT_NEAR(read.outside, band.outside, rounding * band.outside);
+    EXPECT_NEAR(read.narrow->outside, band.narrow->outside, rounding * band.narrow->outside);
     if (inside < kInfinite) {
-      EXPECT_NEAR(read.inside, band.inside, rounding * band.inside);
+      EXPECT_NEAR(read.narrow->inside, band.narrow->inside, rounding * band.narrow->inside);
     }
     EXPECT_LE(read.activeCount(), band.activeCount());
     EXPECT_GE(read.activeCount(), 0.98 * double(band.activeCount()));
@@ -272,7 +273,7 @@ TEST(BandFile, ReadsFieldsOfAllSamplesAsBands) {
     const Field dense =
         scene.surface.generateRegion(scene.grid, {glm::ivec3(0), scene.grid.dims}, {.band = width});
     writeField(path, dense);
-    const SparseField read = readBand(path);
+    const Field read = readBand(path);
     EXPECT_TRUE(std::ranges::equal(toDense(read).distance, dense.distance)) << width;
     if (width > 0.0) expectSame(read, toSparse(dense, {.outside = width, .inside = width}));
   }
@@ -280,9 +281,9 @@ TEST(BandFile, ReadsFieldsOfAllSamplesAsBands) {
 
 TEST_P(BandFiles, HoldsSeveralBands) {
   const fs::path file = path("both");
-  const SparseField thin = scene_.surface.generateBand(scene_.grid, {.outside = 1.0, .inside = 2.0});
-  const SparseField other = scene_.surface.generateBand({{40, 30, 20}, glm::dvec3(-1.0), 0.1});
-  writeBands(file, std::array{NamedBand{"thin", &thin}, NamedBand{"other", &other}});
+  const Field thin = scene_.surface.generateBand(scene_.grid, {.outside = 1.0, .inside = 2.0});
+  const Field other = scene_.surface.generateBand({{40, 30, 20}, glm::dvec3(-1.0), 0.1});
+  writeFields(file, std::array{NamedField{"thin", &thin}, NamedField{"other", &other}});
   expectSame(readBand(file, {.gridName = "thin"}), thin);
   expectSame(readBand(file, {.gridName = "other"}), other);
   EXPECT_TRUE(std::ranges::equal(readField(file, {.gridName = "thin"}).distance, toDense(thin).distance));
@@ -296,20 +297,21 @@ TEST_P(BandFiles, HoldsSeveralBands) {
   const std::string unknown = whyRefused([&] { readBand(file, {.gridName = "thick"}); });
   EXPECT_NE(unknown.find("'thick'; its grids are 'other', 'thin'"), std::string::npos) << unknown;
 
-  const NamedBand one{"thin", &thin};
-  for (const std::vector<NamedBand>& bands :
-       std::vector<std::vector<NamedBand>>{{}, {one, one}, {one, {"", &other}}})
-    EXPECT_NE(whyRefused([&] { writeBands(file, bands); }).find("both."), std::string::npos);
-  EXPECT_NE(whyRefused([&] { writeBands(file, std::array{one}, {.gridName = "a"}); }), "");
+  const NamedField one{"thin", &thin};
+  for (const std::vector<NamedField>& bands :
+       std::vector<std::vector<NamedField>>{{}, {one, one}, {one, {"", &other}}})
+    EXPECT_NE(whyRefused([&] { writeFields(file, bands); }).find("both."), std::string::npos);
+  EXPECT_NE(whyRefused([&] { writeFields(file, std::array{one}, {.gridName = "a"}); }), "");
 }
 
 TEST_P(BandFiles, HoldsSeveralBandsWithAllArrays) {
   const fs::path file = path("both");
-  const SparseField thin = scene_.surface.generateBand(scene_.grid, {.winding = true, .confidence = true});
-  const SparseField other =
+  const Field thin = scene_.surface.generateBand(scene_.grid, {.winding = true, .confidence = true});
+  const Field other =
       scene_.surface.generateBand({{40, 30, 20}, glm::dvec3(-1.0), 0.1}, {.triangle = true, .winding = true});
-  const SparseField plain = scene_.surface.generateBand(scene_.grid);
-  writeBands(file, std::array{NamedBand{"thin", &thin}, NamedBand{"other", &other}, NamedBand{"a", &plain}});
+  const Field plain = scene_.surface.generateBand(scene_.grid);
+  writeFields(file,
+              std::array{NamedField{"thin", &thin}, NamedField{"other", &other}, NamedField{"a", &plain}});
   expectSame(readBand(file, {.gridName = "thin"}), thin);
   expectSame(readBand(file, {.gridName = "other"}), other);
   expectSame(readBand(file), plain);
@@ -320,23 +322,23 @@ TEST_P(BandFiles, HoldsSeveralBandsWithAllArrays) {
   EXPECT_TRUE(alone.distance.empty());
   EXPECT_TRUE(std::ranges::equal(alone.winding, readField(file, {.gridName = "thin"}).winding));
   const std::string same = whyRefused([&] {
-    writeBands(file, std::array{NamedBand{"thin", &thin}, NamedBand{"thin.winding", &plain}});
+    writeFields(file, std::array{NamedField{"thin", &thin}, NamedField{"thin.winding", &plain}});
   });
   EXPECT_NE(same.find("'thin.winding'"), std::string::npos) << same;
 }
 
 TEST_P(BandFiles, RefusesWhatTheFormatCannotHold) {
   if (GetParam() != ".nvdb") return;
-  const SparseField band = scene_.surface.generateBand(scene_.grid, {.winding = true});
+  const Field band = scene_.surface.generateBand(scene_.grid, {.winding = true});
   const std::string longest(255, 'n');
-  writeBand(path("long"), band, {.gridName = longest});
+  writeField(path("long"), band, {.gridName = longest});
   expectSame(readBand(path("long"), {.gridName = longest}), band);
   const std::string tooLong = longest + "n";
-  EXPECT_NE(whyRefused([&] { writeBand(path("x"), band, {.gridName = tooLong}); }).find("256"),
+  EXPECT_NE(whyRefused([&] { writeField(path("x"), band, {.gridName = tooLong}); }).find("256"),
             std::string::npos);
-  const SparseField plain = scene_.surface.generateBand(scene_.grid);
-  const std::array bands{NamedBand{longest, &band}, NamedBand{"a", &plain}};
-  EXPECT_NE(whyRefused([&] { writeBands(path("x"), bands); }).find("263"),
+  const Field plain = scene_.surface.generateBand(scene_.grid);
+  const std::array bands{NamedField{longest, &band}, NamedField{"a", &plain}};
+  EXPECT_NE(whyRefused([&] { writeFields(path("x"), bands); }).find("263"),
             std::string::npos);  // Of ".winding".
   EXPECT_FALSE(fs::exists(path("x")));
 }
@@ -359,7 +361,7 @@ TEST(NvdbFile, NamesTheDamage) {
   const Scene scene;
   const TemporaryFolder folder;
   const fs::path file = folder.path() / "damaged.nvdb";
-  writeBand(file, scene.surface.generateBand(fitGrid(scene.mesh, {.resolution = 20})));
+  writeField(file, scene.surface.generateBand(fitGrid(scene.mesh, {.resolution = 20})));
   const std::string whole = readBytes(file);
   constexpr size_t kFileHeader = 16, kAbout = 176, kName = sizeof "distance",
                    kGrid = kFileHeader + kAbout + kName;
@@ -407,7 +409,7 @@ TEST(BandFile, RefusesWhatIsNoBand) {
 
 TEST_P(BandFiles, AnyWordChanged) {
   const fs::path file = path("damaged");
-  writeBand(file, scene_.surface.generateBand(fitGrid(scene_.mesh, {.resolution = 20})));
+  writeField(file, scene_.surface.generateBand(fitGrid(scene_.mesh, {.resolution = 20})));
   const std::string whole = readBytes(file);
   size_t refused = 0;
   for (size_t at = 0; at + 4 < whole.size(); at += 1 + whole.size() / 8)
@@ -428,8 +430,8 @@ TEST(BandFile, IsSmall) {
   if (!hasVdb()) GTEST_SKIP() << "a build without OpenVDB";
   const Scene scene;
   const TemporaryFolder folder;
-  const SparseField band = scene.surface.generateBand(fitGrid(scene.mesh, {.resolution = 400}));
-  writeBand(folder.path() / "band.vdb", band);
+  const Field band = scene.surface.generateBand(fitGrid(scene.mesh, {.resolution = 400}));
+  writeField(folder.path() / "band.vdb", band);
   // Two thirds of the samples in leaves are not active, and take a bit each.
   EXPECT_LT(fs::file_size(folder.path() / "band.vdb"), band.distance.size() * sizeof(float));
 }
@@ -437,20 +439,20 @@ TEST(BandFile, IsSmall) {
 TEST(BandFile, RefusesOtherFormats) {
   const Scene scene;
   const TemporaryFolder folder;
-  const SparseField band = scene.surface.generateBand(scene.grid);
+  const Field band = scene.surface.generateBand(scene.grid);
   for (const char* name : {"band.nrrd", "band.npz", "band.txt"}) {
     try {
-      writeBand(folder.path() / name, band);
+      writeField(folder.path() / name, band);
       ADD_FAILURE() << name;
     } catch (const Error& error) {
       EXPECT_EQ(error.code(), ErrorCode::Usage);
       EXPECT_NE(std::string(error.what()).find(name), std::string::npos) << error.what();
     }
   }
-  EXPECT_THROW(writeBand(folder.path() / "missing" / "band.vdb", band), Error);
+  EXPECT_THROW(writeField(folder.path() / "missing" / "band.vdb", band), Error);
   if (hasVdb()) return;
   try {
-    writeBand(folder.path() / "band.vdb", band);
+    writeField(folder.path() / "band.vdb", band);
     ADD_FAILURE();
   } catch (const Error& error) {
     EXPECT_EQ(error.code(), ErrorCode::Unsupported);

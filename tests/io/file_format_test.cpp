@@ -203,16 +203,16 @@ TEST_F(FileFormat, RefusesOtherFilesAsWhatTheyAre) {
 
 TEST_F(FileFormat, TellsMeshesFromFields) {
   writeMesh(path("mesh"), shapes::torus(2.0, 0.7, 40, 24), {.format = ".stl"});
-  EXPECT_TRUE(std::holds_alternative<Mesh>(readMeshOrField(path("mesh"))));
+  EXPECT_TRUE(std::holds_alternative<Mesh>(read(path("mesh"))));
   Field field;
   field.grid = {{2, 3, 4}, {0.0, 0.0, 0.0}, 1.0};
   field.distance.resizeUninitialized(24);
   std::fill(field.distance.begin(), field.distance.end(), 1.0F);
   for (const std::string& format : fieldExtensions()) {
     writeField(path("field"), field, {.format = format});
-    const auto read = readMeshOrField(path("field"));
-    ASSERT_TRUE(std::holds_alternative<Field>(read)) << format;
-    EXPECT_TRUE(std::ranges::equal(std::get<Field>(read).distance, field.distance)) << format;
+    const auto found = read(path("field"));
+    ASSERT_TRUE(std::holds_alternative<Field>(found)) << format;
+    EXPECT_TRUE(std::ranges::equal(std::get<Field>(found).distance, field.distance)) << format;
   }
 }
 

@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "bands.h"
 #include "files.h"
 #include "shapes.h"
 
@@ -43,15 +44,15 @@ void write(const fs::path& path, const openvdb::GridPtrVec& grids) {
 }
 
 /// Returns the sample of a band where a voxel of a grid lies.
-glm::ivec3 sampleOf(const FloatGrid& grid, const SparseField& band, const Coord& voxel) {
+glm::ivec3 sampleOf(const FloatGrid& grid, const Field& band, const Coord& voxel) {
   const openvdb::Vec3d at = grid.transform().indexToWorld(voxel);
   return glm::ivec3(glm::round((glm::dvec3(at.x(), at.y(), at.z()) - band.grid.origin) / band.grid.spacing));
 }
 
-void expectSameValues(const SparseField& band, const FloatGrid& grid) {
+void expectSameValues(const Field& band, const FloatGrid& grid) {
   validate(band);
   EXPECT_NEAR(band.grid.spacing, kSpacing, 1e-12);
-  EXPECT_EQ(float(band.outside), grid.background());
+  EXPECT_EQ(float(band.narrow->outside), grid.background());
   const auto accessor = grid.getConstAccessor();
   for (auto value = grid.cbeginValueOn(); value; ++value)
     ASSERT_EQ(band.distanceAt(sampleOf(grid, band, value.getCoord())), *value) << value.getCoord();
@@ -72,12 +73,12 @@ TEST(ForeignBand, HasOpenVDBsValues) {
   for (const auto& [outside, inside] : {std::pair{3.0F, 3.0F}, {2.0F, 5.0F}, {3.0F, 1000.0F}}) {
     const FloatGrid::Ptr grid = torusGrid(outside, inside);
     write(path, {grid});
-    const SparseField band = readBand(path);
+    const Field band = readBand(path);
     expectSameValues(band, *grid);
     if (inside == 1000.0F)
-      EXPECT_EQ(band.inside, INFINITY);
+      EXPECT_EQ(band.narrow->inside, INFINITY);
     else
-      EXPECT_FLOAT_EQ(float(band.inside), float(inside * kSpacing));
+      EXPECT_FLOAT_EQ(float(band.narrow->inside), float(inside * kSpacing));
     EXPECT_TRUE(band.surfaceBounds.isEmpty());
     if (inside == outside) {
       EXPECT_EQ(band.activeCount(), grid->activeVoxelCount());
@@ -102,9 +103,9 @@ TEST(ForeignBand, HasTilesOfAllKinds) {
   grid->tree().addTile(2, Coord(-128, -128, 0), 0.5F * grid->background(), true);
   grid->tree().addTile(1, Coord(64, -8, 8), -0.25F * grid->background(), false);
   write(path, {grid});
-  const SparseField band = readBand(path);
+  const Field band = readBand(path);
   expectSameValues(band, *grid);
-  EXPECT_LT(band.tiles.size(), 2000u);
+  EXPECT_LT(band.narrow->tiles.size(), 2000u);
 }
 
 TEST(ForeignBand, ComesFromTheLevelSetAmongOthers) {
@@ -119,7 +120,7 @@ TEST(ForeignBand, ComesFromTheLevelSetAmongOthers) {
   fog->tree().setValueOn(Coord(1, 2, 3), 1.0F);
   write(path, {fog, grid, other});
   std::string warning;
-  const SparseField band = readBand(path, {.warn = [&](const Warning& each) { warning = each.message; }});
+  const Field band = readBand(path, {.warn = [&](const Warning& each) { warning = each.message; }});
   EXPECT_NE(warning.find("'density' and 'wider'"), std::string::npos) << warning;
   openvdb::io::File file(path.string());
   file.open();

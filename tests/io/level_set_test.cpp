@@ -9,6 +9,7 @@
 #include <cmath>
 #include <string>
 
+#include "bands.h"
 #include "files.h"
 #include "shapes.h"
 
@@ -57,7 +58,7 @@ TEST_F(LevelSet, HasABackgroundOfTheWholeBand) {
       const Field field = ball(spacing, 3.0);
       writeField(path(), field, {.half = half});
       EXPECT_EQ(faultsOf(*load(), 3.0), "") << spacing << half;
-      writeBand(path(), toSparse(field), {.half = half});
+      writeField(path(), toSparse(field), {.half = half});
       EXPECT_EQ(faultsOf(*load(), 3.0), "") << spacing << half;
     }
 }
@@ -65,18 +66,18 @@ TEST_F(LevelSet, HasABackgroundOfTheWholeBand) {
 TEST_F(LevelSet, ComesBackAsItWas) {
   for (const double spacing : {0.02, 0.0144193, 0.0625}) {
     const Field field = ball(spacing, 3.0);
-    const SparseField band = toSparse(field);
+    const Field band = toSparse(field);
     for (const char* name : {"a.vdb", "a.nvdb"}) {
       writeField(path(name), field);
       const Field again = readField(path(name));
       EXPECT_TRUE(std::ranges::equal(again.distance, field.distance)) << name << spacing;
       EXPECT_EQ(again.clampDistance, field.clampDistance);
-      writeBand(path(name), band);
-      const SparseField same = readBand(path(name));
+      writeField(path(name), band);
+      const Field same = readBand(path(name));
       EXPECT_TRUE(std::ranges::equal(same.distance, band.distance)) << name << spacing;
-      EXPECT_EQ(same.outside, band.outside);
-      EXPECT_EQ(same.inside, band.inside);
-      EXPECT_EQ(same.tiles.size(), band.tiles.size());
+      EXPECT_EQ(same.narrow->outside, band.narrow->outside);
+      EXPECT_EQ(same.narrow->inside, band.narrow->inside);
+      EXPECT_EQ(same.narrow->tiles.size(), band.narrow->tiles.size());
     }
   }
 }
@@ -102,15 +103,15 @@ TEST_F(LevelSet, KeepsItsWidthsWithHalfFloats) {
 
 TEST_F(LevelSet, OfBothWidthsHasEachInFull) {
   const Field field = ball(0.02, 6.0);
-  const SparseField band = toSparse(field, {.outside = 3.0, .inside = 5.0});
-  writeBand(path(), band, {.half = true});
+  const Field band = toSparse(field, {.outside = 3.0, .inside = 5.0});
+  writeField(path(), band, {.half = true});
   const FloatGrid::Ptr grid = load();
-  EXPECT_GE(grid->background(), band.outside);
+  EXPECT_GE(grid->background(), band.narrow->outside);
   float least = 0.0F;
   for (auto value = grid->cbeginValueOff(); value; ++value) least = std::min(least, *value);
-  EXPECT_LE(double(least), -band.inside);
-  EXPECT_NEAR(least, -band.inside, 1e-3 * band.inside);
-  EXPECT_EQ(readBand(path()).inside, band.inside);
+  EXPECT_LE(double(least), -band.narrow->inside);
+  EXPECT_NEAR(least, -band.narrow->inside, 1e-3 * band.narrow->inside);
+  EXPECT_EQ(readBand(path()).narrow->inside, band.narrow->inside);
 }
 
 TEST_F(LevelSet, WithoutABandIsActiveEverywhere) {
@@ -130,7 +131,7 @@ TEST_F(LevelSet, OfAlignedGridsCombines) {
     const Grid grid = fitGrid(mesh, {.voxelSize = 0.02, .align = true});
     const Field field = generate(mesh, grid, {.band = 3.0}, {.device = "cpu"}).field;
     if (isSparse)
-      writeBand(path(name), toSparse(field));
+      writeField(path(name), toSparse(field));
     else
       writeField(path(name), field);
     const Field again = readField(path(name));

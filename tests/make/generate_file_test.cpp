@@ -179,7 +179,7 @@ TEST_F(GenerateFile, WritesNarrowBands) {
   const FileReport report = generator.make(std::move(given), small_, {.band = 2.0}, files, cpu_);
   EXPECT_EQ(report.plan.form, FieldForm::NarrowBand);
   generator.write();
-  writeBand(path("expected.nvdb"),
+  writeField(path("expected.nvdb"),
             Surface(mesh_).generateBand(small_,
                                         {.outside = 2.0, .inside = std::numeric_limits<double>::infinity()}),
             {.gridName = "surface"});
@@ -217,7 +217,7 @@ TEST_F(GenerateFile, RefusesFilesBeforeItMakesTheField) {
 }
 
 TEST_F(GenerateFile, WritesDenseFieldsOfBands) {
-  const SparseField band = Surface(mesh_).generateBand(small_, {.winding = true});
+  const Field band = Surface(mesh_).generateBand(small_, {.winding = true});
   const Field dense = toDense(band);
   for (const std::string extension : {".npy", ".vti", ".npz"}) {
     writeDense(path("f" + extension), band);

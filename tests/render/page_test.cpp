@@ -278,7 +278,7 @@ void expectDistances(const Page& page, size_t array, double tolerance, Distance&
 }
 
 /// A band of a ball about a centre, on a lattice around it.
-SparseField ballBand(const glm::dvec3& centre, double radius, const Grid& grid, BandOptions options = {}) {
+Field ballBand(const glm::dvec3& centre, double radius, const Grid& grid, BandOptions options = {}) {
   return Surface(shapes::sphere(radius, 5, centre)).generateBand(grid, options);
 }
 
@@ -286,7 +286,7 @@ TEST(PageOfBand, NeedsNoMemoryOfTheDenseField) {
   const Grid grid{.dims = {4096, 3000, 2500}, .origin = {-500.0, -400.0, -300.0}, .spacing = 0.5};
   const glm::dvec3 centre(120.0, 310.0, -40.0);
   const double radius = 50.0;
-  const SparseField band = ballBand(centre, radius, grid, {.winding = true});
+  const Field band = ballBand(centre, radius, grid, {.winding = true});
   const MachineOptions small{.device = "cpu", .memoryLimit = size_t(1) << 28};
   EXPECT_EQ(codeOf([&] { toDense(band, small); }), ErrorCode::Memory);
   const Page page = makePage(band, kSmall, {.maxSize = 65}, small);
@@ -306,7 +306,7 @@ TEST(PageOfBand, HasTheDistancesBeyondTheBand) {
   for (const BandOptions& options :
        {BandOptions{}, BandOptions{.outside = 1.5, .inside = INFINITY}, BandOptions{.outside = 4.0}})
     for (const int maxSize : {256, 17}) {
-      const SparseField band = ballBand(centre, 0.7, analytic::cube(60, 2.0), options);
+      const Field band = ballBand(centre, 0.7, analytic::cube(60, 2.0), options);
       const Page page = writePage(folder.path() / "ball.html", band, kSmall, {.maxSize = maxSize});
       EXPECT_EQ(page.grid, pageGrid(band.grid, maxSize));
       EXPECT_EQ(page.grid == band.grid, maxSize == 256);
@@ -320,7 +320,7 @@ TEST(PageOfBand, HasTheDistancesBeyondTheBand) {
 TEST(PageOfBand, GoesOnWhereTheBoxCutsTheSolid) {
   const Grid grid{.dims = {90, 71, 80}, .origin = {-1.0, -0.8, -0.9}, .spacing = 0.02};
   const Mesh bar = shapes::box({-9.0, -0.3, -0.4}, {9.0, 0.35, 0.37});
-  const SparseField band = Surface(bar).generateBand(grid);
+  const Field band = Surface(bar).generateBand(grid);
   const auto expected = [](const glm::dvec3& p) {
     const glm::dvec3 half(1e9, 0.325, 0.385);
     return analytic::box(p - glm::dvec3(0.0, 0.025, -0.015), half);
@@ -336,7 +336,7 @@ TEST(PageOfBand, GoesOnWhereTheBoxCutsTheSolid) {
 TEST(PageOfBand, HasTheSignsOfTheDenseFieldInACutBox) {
   const Mesh torus = shapes::torus(1.0, 0.35, 40, 20);
   const Box part{{-0.5, -0.2, -0.2}, {1.2, 1.1, 0.3}};
-  const SparseField band = Surface(torus).generateBand(fitGrid(torus, {.voxelSize = 0.04, .box = part}));
+  const Field band = Surface(torus).generateBand(fitGrid(torus, {.voxelSize = 0.04, .box = part}));
   const Field dense = toDense(band);
   const std::vector<double> distances = numbersOf(makePage(band, kSmall).html, 0);
   ASSERT_EQ(distances.size(), dense.distance.size());
@@ -359,8 +359,8 @@ TEST(PageOfBand, ComparesBandsAndFields) {
   const auto second = [&](const glm::dvec3& p) { return analytic::sphere(p - shift, 0.63); };
   const Field dense = analytic::sampled(analytic::cube(40, 2.0), first),
               otherDense = analytic::sampled(analytic::cube(48, 2.1), second);
-  const SparseField band = ballBand(centre, 0.6, dense.grid),
-                    other = ballBand(shift, 0.63, otherDense.grid, {.outside = 2.0});
+  const Field band = ballBand(centre, 0.6, dense.grid),
+              other = ballBand(shift, 0.63, otherDense.grid, {.outside = 2.0});
   const auto expectBoth = [&](const Page& page) {
     const auto data = dataOf(page.html);
     ASSERT_EQ(data["fields"].size(), 2u);
@@ -371,32 +371,31 @@ TEST(PageOfBand, ComparesBandsAndFields) {
     expectDistances(page, 0, 0.02, first);
     expectDistances(page, 1, 0.02, second);
   };
-  expectBoth(makePage(band, kSmall, {.maxSize = 20, .otherBand = &other}));
+  expectBoth(makePage(band, kSmall, {.maxSize = 20, .other = &other}));
   expectBoth(makePage(band, kSmall, {.maxSize = 20, .other = &otherDense}));
-  expectBoth(makePage(dense, kSmall, {.maxSize = 20, .otherBand = &other}));
+  expectBoth(makePage(dense, kSmall, {.maxSize = 20, .other = &other}));
 }
 
 TEST(PageOfBand, RefusesWhatItCannotShow) {
-  const SparseField band = ballBand(glm::dvec3(0.0), 0.6, analytic::cube(40, 2.0), {.confidence = true});
-  const auto codeOfPage = [](const SparseField& shown, const PageOptions& options = {},
+  const Field band = ballBand(glm::dvec3(0.0), 0.6, analytic::cube(40, 2.0), {.confidence = true});
+  const auto codeOfPage = [](const Field& shown, const PageOptions& options = {},
                              const MachineOptions& machine = {}, const RenderOptions& view = kSmall) {
     return codeOf([&] { makePage(shown, view, options, machine); });
   };
   const Field field = toDense(band);
   EXPECT_EQ(codeOfPage(band, {.array = FieldArray::Confidence}), ErrorCode::Usage);
   EXPECT_EQ(codeOfPage(band, {.maxSize = 1}), ErrorCode::Usage);
-  EXPECT_EQ(codeOfPage(band, {.other = &field, .otherBand = &band}), ErrorCode::Usage);
-  EXPECT_EQ(codeOfPage(band, {}, {}, {.otherBand = &band}), ErrorCode::Usage);
+  EXPECT_EQ(codeOfPage(band, {}, {}, {.other = &band}), ErrorCode::Usage);
   EXPECT_EQ(codeOfPage(band, {}, {.device = "cpu", .memoryLimit = 1000}), ErrorCode::Memory);
   EXPECT_EQ(codeOfPage(band, {}, {.progress = [](std::string_view, double) { return false; }}),
             ErrorCode::Cancelled);
   const Grid away{.dims = glm::ivec3(16), .origin = glm::dvec3(5.0), .spacing = 0.1};
-  const SparseField empty = ballBand(glm::dvec3(0.0), 0.6, away);
+  const Field empty = ballBand(glm::dvec3(0.0), 0.6, away);
   EXPECT_EQ(codeOfPage(empty), ErrorCode::Usage);
-  EXPECT_EQ(codeOf([&] { makePage(field, kSmall, {.otherBand = &empty}); }), ErrorCode::Usage);
-  EXPECT_EQ(codeOf([&] { makePage(field, kSmall, {.array = FieldArray::Confidence, .otherBand = &band}); }),
+  EXPECT_EQ(codeOf([&] { makePage(field, kSmall, {.other = &empty}); }), ErrorCode::Usage);
+  EXPECT_EQ(codeOf([&] { makePage(field, kSmall, {.array = FieldArray::Confidence, .other = &band}); }),
             ErrorCode::Usage);
-  SparseField odd = toSparse(field);
+  Field odd = toSparse(field);
   odd.distance[100] = NAN;
   EXPECT_EQ(codeOfPage(odd), ErrorCode::Input);
   odd.distance = Buffer<float>(5);

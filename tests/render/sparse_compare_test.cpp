@@ -19,15 +19,15 @@ constexpr BandOptions kWithAll{.triangle = true, .winding = true, .confidence = 
 
 /// Pairs of bands on one lattice each: a torus with holes and a smaller one, and balls with tiles of several
 /// sizes, one of them beside the other.
-std::vector<std::pair<SparseField, SparseField>> somePairs() {
-  std::vector<std::pair<SparseField, SparseField>> pairs;
+std::vector<std::pair<Field, Field>> somePairs() {
+  std::vector<std::pair<Field, Field>> pairs;
   const Mesh torus = withHoles(shapes::torus(1.0, 0.35, 40, 20), 3, 0.2, 7),
              thin = shapes::torus(1.0, 0.3, 40, 20);
   const Grid grid = fitGrid(torus, {.resolution = 61});
   pairs.emplace_back(Surface(torus).generateBand(grid, kWithAll), Surface(thin).generateBand(grid, kWithAll));
   Mesh ball = shapes::sphere(1.0, 3);
   const Grid around = fitGrid(ball, {.resolution = 100});
-  SparseField first = Surface(ball).generateBand(around, kWithAll);
+  Field first = Surface(ball).generateBand(around, kWithAll);
   BandOptions wider = kWithAll;
   wider.outside = 4.0, wider.inside = 5.5;
   for (glm::vec3& v : ball.vertices) v = 0.8f * v + glm::vec3(0.1f, 0, 0);
@@ -36,12 +36,12 @@ std::vector<std::pair<SparseField, SparseField>> somePairs() {
 }
 
 /// Returns a field with NaN where the band knows nothing.
-Field denseOf(const SparseField& band) {
+Field denseOf(const Field& band) {
   Field field = toDense(band);
   for (int k = 0; k < band.grid.dims.z; ++k)
     for (int j = 0; j < band.grid.dims.y; ++j)
       for (int i = 0; i < band.grid.dims.x; ++i) {
-        if (band.find({i, j, k})) continue;
+        if (band.narrow->find({i, j, k})) continue;
         const size_t n = band.grid.index({i, j, k});
         field.winding[n] = field.confidence[n] = NAN;
         field.triangle[n] = kNoTriangle;
@@ -52,7 +52,7 @@ Field denseOf(const SparseField& band) {
 TEST(SparseCompare, FindsWhatTheDenseFieldsDiffer) {
   size_t tiles = 0, differences = 0;
   for (const auto& [a, b] : somePairs()) {
-    tiles += std::min(a.tiles.size(), b.tiles.size());
+    tiles += std::min(a.narrow->tiles.size(), b.narrow->tiles.size());
     const Field fieldA = denseOf(a), fieldB = denseOf(b);
     for (const FieldArray array :
          {FieldArray::Distance, FieldArray::Winding, FieldArray::Confidence, FieldArray::Triangle}) {
@@ -75,7 +75,7 @@ TEST(SparseCompare, FindsWhatTheDenseFieldsDiffer) {
 TEST(SparseCompare, FindsTheWorstSample) {
   for (const auto& [a, b] : somePairs()) {
     const glm::ivec3 worst = compareFields(a, b).worstSample;
-    const double band = std::min({a.inside, a.outside, b.inside, b.outside});
+    const double band = std::min(a.clamp(), b.clamp());
     const auto clamped = [&](float value) { return std::clamp(double(value), -band, band); };
     EXPECT_EQ(std::abs(clamped(a.distanceAt(worst)) - clamped(b.distanceAt(worst))) / a.grid.spacing,
               compareFields(a, b).maxError);
@@ -83,7 +83,7 @@ TEST(SparseCompare, FindsTheWorstSample) {
 }
 
 TEST(SparseCompare, EqualBandsDoNotDiffer) {
-  const SparseField a = std::move(somePairs().back().first);
+  const Field a = std::move(somePairs().back().first);
   const Comparison found = compareFields(a, a);
   EXPECT_EQ(found.differences, 0u);
   EXPECT_EQ(found.maxError, 0.0);
@@ -92,11 +92,11 @@ TEST(SparseCompare, EqualBandsDoNotDiffer) {
 
 // 10^15 samples are compared by the cubes of which both bands know that they are alike.
 TEST(SparseCompare, CountsTheSamplesOfHugeTiles) {
-  SparseField a, b;
+  Field a, b;
   a.grid = b.grid = {.dims = glm::ivec3(100'000), .origin = {}, .spacing = 0.5};
-  a.outside = a.inside = b.outside = b.inside = 1.0;
-  a.tiles = {{.low = {4096, 0, 0}, .side = 4096}};
-  b.tiles = {{.low = {4096, 0, 0}, .side = 2048}, {.low = {65536, 65536, 65536}, .side = 65536}};
+  for (Field* each : {&a, &b}) each->narrow = NarrowBand{.outside = 1.0, .inside = 1.0};
+  a.narrow->tiles = {{.low = {4096, 0, 0}, .side = 4096}};
+  b.narrow->tiles = {{.low = {4096, 0, 0}, .side = 2048}, {.low = {65536, 65536, 65536}, .side = 65536}};
   const Comparison found = compareFields(a, b);
   const size_t ofA = size_t{4096} * 4096 * 4096 - size_t{2048} * 2048 * 2048,
                ofB = size_t{34464} * 34464 * 34464;  // The part of the large tile on the lattice.
@@ -108,12 +108,13 @@ TEST(SparseCompare, CountsTheSamplesOfHugeTiles) {
 }
 
 TEST(SparseCompare, RefusesOtherLatticesAndMissingArrays) {
-  const SparseField a = std::move(somePairs().front().first);
-  SparseField other = toSparse(toDense(a));
+  const Field a = std::move(somePairs().front().first);
+  Field other = toSparse(toDense(a));
   EXPECT_EQ(codeOf([&] { compareFields(a, other, FieldArray::Winding); }), ErrorCode::Usage);
   other.grid.spacing *= 1.01;
   EXPECT_EQ(codeOf([&] { compareFields(a, other); }), ErrorCode::Usage);
   EXPECT_EQ(codeOf([&] { renderComparison(a, other); }), ErrorCode::Usage);
+  EXPECT_EQ(codeOf([&] { compareFields(a, toDense(a)); }), ErrorCode::Usage);
 }
 
 }  // namespace

@@ -36,7 +36,7 @@ struct HitDifferences {
   size_t apart = 0;   ///< Rays whose hits lie more than 0.02 samples apart.
 };
 
-HitDifferences compareHits(const SparseField& band, const Field& field, RenderOptions options) {
+HitDifferences compareHits(const Field& band, const Field& field, RenderOptions options) {
   options.width = 80;
   options.height = 60;
   const Shape ofBand(band, options), ofField(field, options);
@@ -64,9 +64,9 @@ glm::dvec3 middleOf(const Grid& grid) {
 
 TEST(SparseRender, RaysHitAsInTheDenseField) {
   size_t hits = 0;
-  for (const SparseField& band : someBands()) {
+  for (const Field& band : someBands()) {
     const Field field = toDense(band);
-    const double width = std::min(band.inside, band.outside);
+    const double width = std::min(band.narrow->inside, band.narrow->outside);
     const glm::dvec3 middle = middleOf(band.grid);
     for (const RenderOptions& options :
          {RenderOptions{}, RenderOptions{.direction = {0.3, 1.0, 0.2}, .iso = 0.5 * width},
@@ -87,7 +87,7 @@ TEST(SparseRender, RaysHitASphereWhereItIs) {
   const double radius = 0.8, spacing = 2.0 / 200;
   const Field field =
       sampled(cube(200, 2.0), [&](const glm::dvec3& p) { return analytic::sphere(p, radius); });
-  const SparseField band = toSparse(field);
+  const Field band = toSparse(field);
   const Shape shape(band, {});
   const glm::dvec3 centre(99.5);
   std::mt19937 random(5);
@@ -112,8 +112,8 @@ TEST(SparseRender, RaysHitASphereWhereItIs) {
 TEST(SparseRender, PlateausHaveOneValue) {
   std::mt19937 random(11);
   std::normal_distribution<double> normal;
-  for (const SparseField& band : someBands()) {
-    if (band.inside == kEverywhere) continue;
+  for (const Field& band : someBands()) {
+    if (band.narrow->inside == kEverywhere) continue;
     const Field dense = toDense(band);
     const DrawnField drawn(band), whole(dense);
     EXPECT_FALSE(whole.plateau(glm::dvec3(1.5), {1, 0, 0}));
@@ -141,8 +141,8 @@ TEST(SparseRender, PlateausHaveOneValue) {
 }
 
 TEST(SparseRender, TheCameraStandsAsBeforeTheDenseField) {
-  for (const SparseField& band : someBands()) {
-    if (band.inside == kEverywhere) continue;
+  for (const Field& band : someBands()) {
+    if (band.narrow->inside == kEverywhere) continue;
     const Field field = toDense(band);
     const Camera ofBand({}, Shape(band, {})), ofField({}, Shape(field, {}));
     EXPECT_EQ(ofBand.eye(), ofField.eye());
@@ -157,10 +157,10 @@ double meanDifference(const Picture& a, const Picture& b) {
 }
 
 TEST(SparseRender, PicturesAreThoseOfTheDenseField) {
-  const std::vector<SparseField> bands = someBands();
-  const SparseField& band = bands.back();
+  const std::vector<Field> bands = someBands();
+  const Field& band = bands.back();
   const Field field = toDense(band);
-  const double width = band.outside;
+  const double width = band.narrow->outside;
   for (const RenderOptions& look :
        {RenderOptions{}, RenderOptions{.cut = true, .shell = 0.5 * width},
         RenderOptions{.iso = 0.4 * width, .slice = Plane{.normal = {1, 0, 1}, .offset = 0.3}}}) {
@@ -174,7 +174,7 @@ TEST(SparseRender, PicturesAreThoseOfTheDenseField) {
 }
 
 /// Returns the dense field, with a number in place of those that the band does not have.
-Field filled(const SparseField& band, float unknown) {
+Field filled(const Field& band, float unknown) {
   Field field = toDense(band);
   for (Buffer<float>* numbers : {&field.winding, &field.confidence})
     for (float& number : *numbers)
@@ -215,7 +215,7 @@ Pixels countPixels(const Picture& picture, const Picture& a, const Picture& b) {
 
 TEST(SparseRender, ArraysHaveTheColoursOfTheDenseField) {
   const Mesh mesh = withHoles(shapes::torus(1.0, 0.35, 40, 20), 3, 0.2, 7);
-  const SparseField band =
+  const Field band =
       Surface(mesh).generateBand(fitGrid(mesh, {.resolution = 180}), {.winding = true, .confidence = true});
   const Field low = filled(band, 0.0f), high = filled(band, 0.7f);
   const RenderOptions view{.width = 100, .height = 75};
@@ -251,14 +251,14 @@ struct Balls {
 TEST(SparseRender, DifferencesAreExactOrBoundedByTheRange) {
   const Balls balls;
   const double h = balls.first.grid.spacing, range = 2.0;
-  const SparseField first = toSparse(balls.first, {.outside = 3.0, .inside = 5.0}),
-                    second = toSparse(balls.second, {.outside = 4.0, .inside = 3.0});
+  const Field first = toSparse(balls.first, {.outside = 3.0, .inside = 5.0}),
+              second = toSparse(balls.second, {.outside = 4.0, .inside = 3.0});
   const Field clamped = toDense(toSparse(balls.second, {.outside = 4.0, .inside = 4.0}));
   const DrawnField drawn(first);
   const FieldSampler a(balls.first), b(balls.second);
   std::mt19937 random(17);
   std::uniform_real_distribution<double> share(0.0, 1.0);
-  for (const RenderOptions& options : {RenderOptions{.otherBand = &second, .range = range * h},
+  for (const RenderOptions& options : {RenderOptions{.other = &second, .range = range * h},
                                        RenderOptions{.other = &clamped, .range = range * h},
                                        RenderOptions{.other = &balls.second, .range = range * h}}) {
     const ShownNumbers shown(drawn, options);
@@ -294,12 +294,11 @@ TEST(SparseRender, DifferencesHaveTheColoursOfTheDenseFields) {
       return analytic::sphere(p - glm::dvec3(x, 0.0, 0.0), radius);
     }));
   };
-  const SparseField first = ballOf(0.6, 0.0), second = ballOf(0.61, 0.02);
+  const Field first = ballOf(0.6, 0.0), second = ballOf(0.61, 0.02);
   const Field firstDense = toDense(first), secondDense = toDense(second);
-  RenderOptions ofBands{.width = 100, .height = 75, .otherBand = &second};
+  RenderOptions ofBands{.width = 100, .height = 75, .other = &second};
   ofBands.range = 1.25 * first.grid.spacing;
   RenderOptions ofFields = ofBands;
-  ofFields.otherBand = nullptr;
   ofFields.other = &secondDense;
   // All samples around the surface lie in both bands.
   const Picture surface = renderField(first, ofBands);
@@ -322,7 +321,7 @@ TEST(SparseRender, DifferencesHaveTheColoursOfTheDenseFields) {
 }
 
 TEST(SparseRender, SlicesAreThoseOfTheDenseField) {
-  for (const SparseField& band : someBands()) {
+  for (const Field& band : someBands()) {
     const Field field = toDense(band);
     for (const FieldArray array :
          {FieldArray::Distance, FieldArray::Winding, FieldArray::Confidence, FieldArray::Triangle})
@@ -337,8 +336,8 @@ TEST(SparseRender, SlicesAreThoseOfTheDenseField) {
 
 TEST(SparseRender, RefusesWhatCannotBeDrawn) {
   const Mesh ball = shapes::sphere(1.0, 2);
-  SparseField band = Surface(ball).generateBand(fitGrid(ball, {.resolution = 30}),
-                                                {.outside = 2.0, .inside = 4.0, .winding = true});
+  Field band = Surface(ball).generateBand(fitGrid(ball, {.resolution = 30}),
+                                          {.outside = 2.0, .inside = 4.0, .winding = true});
   const double h = band.grid.spacing;
   const auto codeWith = [&](RenderOptions options) {
     options.width = options.height = 8;
@@ -355,16 +354,15 @@ TEST(SparseRender, RefusesWhatCannotBeDrawn) {
   EXPECT_EQ(codeWith({.array = FieldArray::Triangle}), ErrorCode::Usage);
   const Field other = toDense(band);
   EXPECT_EQ(codeWith({.other = &other}), std::nullopt);
-  EXPECT_EQ(codeWith({.otherBand = &band}), std::nullopt);
-  EXPECT_EQ(codeWith({.other = &other, .otherBand = &band}), ErrorCode::Usage);
-  EXPECT_EQ(codeWith({.array = FieldArray::Winding, .otherBand = &band}), ErrorCode::Usage);
-  EXPECT_EQ(codeOf([&] { renderField(other, {.otherBand = &band}, {.device = "cpu"}); }), ErrorCode::Usage);
-  SparseField odd = toSparse(other, {.outside = 2.0, .inside = 2.0});
+  EXPECT_EQ(codeWith({.other = &band}), std::nullopt);
+  EXPECT_EQ(codeWith({.array = FieldArray::Winding, .other = &band}), ErrorCode::Usage);
+  EXPECT_EQ(codeOf([&] { renderField(other, {.other = &band}, {.device = "cpu"}); }), ErrorCode::Usage);
+  Field odd = toSparse(other, {.outside = 2.0, .inside = 2.0});
   odd.distance[5] = NAN;
-  EXPECT_EQ(codeWith({.otherBand = &odd}), ErrorCode::Input);
+  EXPECT_EQ(codeWith({.other = &odd}), ErrorCode::Input);
   EXPECT_EQ(codeOf([&] { renderSlice(band, 0, -1, 9, FieldArray::Confidence); }), ErrorCode::Usage);
   EXPECT_EQ(codeOf([&] { renderSlice(band, 3); }), ErrorCode::Usage);
-  const glm::ivec3 sample = band.leaves[3] + glm::ivec3(2, 1, 0);
+  const glm::ivec3 sample = band.narrow->leaves[3] + glm::ivec3(2, 1, 0);
   band.winding[3 * 512 + 10] = INFINITY;
   EXPECT_EQ(codeWith({}), std::nullopt);
   try {
@@ -378,7 +376,7 @@ TEST(SparseRender, RefusesWhatCannotBeDrawn) {
   }
   band.distance[5] = NAN;
   EXPECT_EQ(codeWith({}), ErrorCode::Input);
-  band.leaves[1] = band.leaves[0];
+  band.narrow->leaves[1] = band.narrow->leaves[0];
   EXPECT_EQ(codeWith({}), ErrorCode::Usage);
   EXPECT_EQ(codeOf([&] { renderSlice(band, 0); }), ErrorCode::Usage);
 }
@@ -398,14 +396,14 @@ TEST(SparseRender, DrawsAHugeLattice) {
 }
 
 TEST(LeafTree, FindsWhatTheBandHas) {
-  for (const SparseField& band : someBands()) {
+  for (const Field& band : someBands()) {
     const LeafTree tree(band);
     const glm::ivec3 dims = band.grid.dims;
     for (int z = 0; z < dims.z; ++z)
       for (int y = 0; y < dims.y; ++y)
         for (int x = 0; x < dims.x; ++x) {
           const glm::ivec3 sample(x, y, z);
-          const std::optional<size_t> place = band.find(sample);
+          const std::optional<size_t> place = band.narrow->find(sample);
           const int64_t found = tree.find(sample);
           ASSERT_EQ(found >= 0, place.has_value());
           ASSERT_TRUE(!place || size_t(found) == *place);
@@ -416,8 +414,9 @@ TEST(LeafTree, FindsWhatTheBandHas) {
 }
 
 TEST(EmptySpace, IsAsLargeAsItCanBe) {
-  SparseField band{.grid = {.dims = {900, 700, 2100}, .spacing = 1.0}, .outside = 3.0, .inside = 3.0};
-  band.tiles = {{{320, 64, 512}, 64}, {{512, 512, 1024}, 16}};
+  Field band{.grid = {.dims = {900, 700, 2100}, .spacing = 1.0},
+             .narrow = NarrowBand{.outside = 3.0, .inside = 3.0}};
+  band.narrow->tiles = {{{320, 64, 512}, 64}, {{512, 512, 1024}, 16}};
   ASSERT_NO_THROW(validate(band));
   const EmptySpace space(band);
   std::mt19937 random(13);
@@ -427,7 +426,7 @@ TEST(EmptySpace, IsAsLargeAsItCanBe) {
                             glm::dvec3(share(random), share(random), share(random)));
     // Numbers of cubes of 32 samples to the tiles, along each axis.
     int least = std::numeric_limits<int>::max();
-    for (const SparseField::Tile& tile : band.tiles) {
+    for (const NarrowBand::Tile& tile : band.narrow->tiles) {
       const glm::ivec3 cube = sample / 32, low = tile.low / 32, high = (tile.low + tile.side - 1) / 32;
       const glm::ivec3 away = glm::max(glm::max(low - cube, cube - high), 0);
       least = std::min(least, std::max({away.x, away.y, away.z}));
@@ -441,16 +440,17 @@ TEST(EmptySpace, IsAsLargeAsItCanBe) {
 }
 
 TEST(LeafTree, KnowsTilesOfAnySizeOnTheLargestLattice) {
-  SparseField band{.grid = {.dims = glm::ivec3(1 << 24), .spacing = 1.0}, .outside = 3.0, .inside = 2.0};
+  Field band{.grid = {.dims = glm::ivec3(1 << 24), .spacing = 1.0},
+             .narrow = NarrowBand{.outside = 3.0, .inside = 2.0}};
   const int side = 1 << 13;
-  band.tiles = {{{0, 0, 0}, 8}, {{16, 0, 0}, 16}, {{0, 0, 64}, 64}, {{0, 0, side}, side}};
-  band.leaves.resizeUninitialized(1);
-  band.leaves[0] = glm::ivec3((1 << 24) - 8);
+  band.narrow->tiles = {{{0, 0, 0}, 8}, {{16, 0, 0}, 16}, {{0, 0, 64}, 64}, {{0, 0, side}, side}};
+  band.narrow->leaves.resizeUninitialized(1);
+  band.narrow->leaves[0] = glm::ivec3((1 << 24) - 8);
   band.distance.resizeUninitialized(512);
   std::ranges::fill(band.distance, 0.25f);
   ASSERT_NO_THROW(validate(band));
   const LeafTree tree(band);
-  for (const SparseField::Tile& tile : band.tiles)
+  for (const NarrowBand::Tile& tile : band.narrow->tiles)
     for (const glm::ivec3& at : {tile.low, tile.low + tile.side / 2, tile.low + tile.side - 1}) {
       EXPECT_EQ(tree.blockWith(at).at(at), -2.0f);
       EXPECT_GE(tree.emptyCube(at)->side, std::min(tile.side, 8));
@@ -470,7 +470,7 @@ int brightness(const Picture& picture, int x, int y) {
 // A pixel is as wide as the band or wider. Slice and cut face are dark near the surface alone.
 TEST(SparseRender, WhatIsFarHasNoLines) {
   const Mesh ball = shapes::sphere(1.0, 4);
-  const SparseField band = Surface(ball).generateBand(fitGrid(ball, {.resolution = 400}));
+  const Field band = Surface(ball).generateBand(fitGrid(ball, {.resolution = 400}));
   RenderOptions options{
       .width = 180, .height = 180, .direction = {0, 0, -1}, .slice = Plane{{0.0, 0.0, 1.0}, 0.0}};
   const Picture sliced = renderField(band, options);

@@ -2,6 +2,7 @@
 
 #include <raymap/raymap.h>
 
+#include <filesystem>
 #include <limits>
 #include <vector>
 
@@ -10,9 +11,15 @@
 
 namespace raymap {
 
+/// Reads a level set as a narrow band.
+inline Field readBand(const std::filesystem::path& path, ReadOptions options = {}) {
+  options.levelSet = LevelSet::Narrow;
+  return readField(path, options);
+}
+
 /// Bands of a torus with holes on a lattice around it and on one that cuts it, and of a ball with tiles.
-inline std::vector<SparseField> someBands() {
-  std::vector<SparseField> bands;
+inline std::vector<Field> someBands() {
+  std::vector<Field> bands;
   const Mesh mesh = withHoles(shapes::torus(1.0, 0.35, 40, 20), 3, 0.2, 7);
   const Surface surface(mesh);
   const Box part{{-0.5, -0.4, -0.2}, {1.2, 1.1, 0.3}};

@@ -115,19 +115,20 @@ TEST_F(VulkanFrames, DrawNumbersAndDifferencesInColour) {
 }
 
 TEST_F(VulkanFrames, DrawANarrowBand) {
-  std::vector<SparseField> bands = someBands();
-  const SparseField& band = bands[1];
-  ASSERT_NE(band.inside, band.outside);
+  std::vector<Field> bands = someBands();
+  const Field& band = bands[1];
+  ASSERT_NE(band.narrow->inside, band.narrow->outside);
   const DeviceBuffer samples = upload(std::vector<float>(band.distance.begin(), band.distance.end())),
                      index = upload(packLeafIndex(band));
   DeviceBuffer pixels(device(), "pixels");
   pixels.resize<uint32_t>(80 * 60);
-  FieldBuffer onDevice{.distance = range(samples),
-                       .grid = band.grid,
-                       .band = {.leafIndex = range(index), .inside = band.inside, .outside = band.outside}};
+  FieldBuffer onDevice{
+      .distance = range(samples),
+      .grid = band.grid,
+      .band = {.leafIndex = range(index), .inside = band.narrow->inside, .outside = band.narrow->outside}};
   RenderOptions options{.width = 80, .height = 60, .frame = band.surfaceBounds};
   Renderer renderer(device().handles());
-  for (const double iso : {0.0, -0.8 * band.inside, 0.8 * band.outside}) {
+  for (const double iso : {0.0, -0.8 * band.narrow->inside, 0.8 * band.narrow->outside}) {
     options.iso = iso;
     run([&](Commands& commands) {
       renderer.record(commands.handle(), onDevice, options, {.pixels = range(pixels)});
@@ -142,14 +143,14 @@ TEST_F(VulkanFrames, DrawANarrowBand) {
       renderer.record(commands, onDevice, options, {.pixels = range(pixels)});
     });
   };
-  for (const double iso : {-band.inside, band.outside}) {
+  for (const double iso : {-band.narrow->inside, band.narrow->outside}) {
     options.iso = iso;
     EXPECT_EQ(refused(), ErrorCode::Usage);
   }
   options.iso = 0.0;
   onDevice.values = range(samples);
   EXPECT_EQ(refused(), ErrorCode::Usage);
-  bands[1].leaves[0].x += 1;
+  bands[1].narrow->leaves[0].x += 1;
   EXPECT_EQ(codeOf([&] { packLeafIndex(band); }), ErrorCode::Usage);
 }
 

@@ -114,8 +114,8 @@ TEST_F(VulkanRender, NumbersAndDifferencesInColour) {
 
 TEST_F(VulkanRender, NarrowBands) {
   size_t view = 0;  // Each band is drawn in two views of four.
-  for (const SparseField& band : someBands()) {
-    const double width = std::min(band.inside, band.outside);
+  for (const Field& band : someBands()) {
+    const double width = std::min(band.narrow->inside, band.narrow->outside);
     const glm::dvec3 middle = band.grid.position(0.5 * glm::dvec3(band.grid.dims - 1));
     const RenderOptions views[] = {
         {.direction = {0.3, 1.0, 0.2}, .iso = 0.5 * width},
@@ -128,8 +128,8 @@ TEST_F(VulkanRender, NarrowBands) {
 }
 
 TEST_F(VulkanRender, NumbersOfNarrowBandsInColour) {
-  const std::vector<SparseField> bands = someBands();
-  const SparseField& band = bands.front();
+  const std::vector<Field> bands = someBands();
+  const Field& band = bands.front();
   RenderOptions options{.cutPlane = Plane{{2.0, 1.0, 0.0}, 0.4}, .slice = Plane{{0.0, 0.2, 1.0}, 0.1}};
   for (const FieldArray array : {FieldArray::Winding, FieldArray::Confidence}) {
     options.array = array;
@@ -153,10 +153,10 @@ TEST_F(VulkanRender, BandsWithFewSamples) {
 // A dense field of as many samples would need 1.6 GB.
 TEST_F(VulkanRender, RaysOfALargeBandTakeFewSteps) {
   const Mesh ball = shapes::sphere(1.0, 4);
-  const SparseField band = Surface(ball).generateBand(fitGrid(ball, {.resolution = 740}));
+  const Field band = Surface(ball).generateBand(fitGrid(ball, {.resolution = 740}));
   expectAsOnTheCpu(band, {.slice = Plane{{0.0, 0.3, 1.0}, 0.2}});
   expectAsOnTheCpu(band, {.cut = true});
-  const auto stepsOf = [&](const SparseField& drawn) {
+  const auto stepsOf = [&](const Field& drawn) {
     const DrawnScene scene(drawn, {.width = 64, .height = 48});
     const DeviceBuffer samples = upload(std::vector<float>(drawn.distance.begin(), drawn.distance.end())),
                        index = upload(scene.shape.field().leafIndex(1.0)),
@@ -301,7 +301,7 @@ TEST_F(VulkanRender, ByName) {
   const RenderOptions options{.width = 64, .height = 48};
   const Picture ours = renderField(field, options, {.device = "vulkan"});
   expectClose(ours, renderField(field, options, {.device = "cpu"}));
-  const SparseField band = toSparse(field);
+  const Field band = toSparse(field);
   expectClose(renderField(band, options, {.device = "vulkan"}),
               renderField(band, options, {.device = "cpu"}));
   RenderOptions ofBoth = options;

@@ -106,7 +106,7 @@ def generate(
             box for each mesh, by its path below the folder. Fields also take ``pyramid``, the number of coarser levels,
             each of half the resolution, as ``raymap.generate_pyramid`` makes them; a .npz holds all of them, and
             ``raymap.load_pyramid`` reads it. With ``sparse=True`` they are narrow bands, as ``"vdb"`` or ``"nvdb"``, which
-            ``raymap.SparseField.load`` reads. The ``centre`` and ``scale`` of ``normalize`` are in the
+            ``raymap.load_field(path, sparse=True)`` reads. The ``centre`` and ``scale`` of ``normalize`` are in the
             table, the markers, and in each .npz.
 
     Raises:

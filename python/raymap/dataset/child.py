@@ -37,16 +37,14 @@ from .._errors import (
     UsageError,
     code_of,
 )
-from .._field import Field, save_as
+from .._field import Field, core_of_field, save_as
 from .._frames import Frame, frame_arrays
 from .._generate import generate
-from .._grid_field import GridField
 from .._mesh import Mesh, load_mesh, tetrahedron
 from .._pyramid import coarser_arrays, generate_pyramid
 from .._raymap import write_whole
 from .._repair import info
 from .._samples import sample_points, save_as_npz
-from .._sparse import SparseField, core_of_sparse
 from ..recipes import recipe_of, samples_of
 from .files import readable
 
@@ -195,29 +193,29 @@ def _make_band(mesh: Mesh, job: dict[str, Any], options: dict[str, Any]) -> tupl
 
     def write() -> None:
         named = f"{job['result']}.{job['format']}"  # The writer knows formats by their extensions.
-        core_of_sparse(band).save(named)
+        core_of_field(band).save(named, "distance")
         os.replace(named, job["result"])
         write_whole(job["thumbnail"], picture)
 
     return write, {"field": {**_field_figures(band, job), **_band_figures(band)}}
 
 
-def _picture(field: GridField, threads: int) -> bytes:
+def _picture(field: Field, threads: int) -> bytes:
     return _html.png(field.render(**_THUMBNAIL, threads=threads))  # type: ignore[arg-type]
 
 
-def _field_figures(field: GridField, job: dict[str, Any]) -> dict[str, Any]:
+def _field_figures(field: Field, job: dict[str, Any]) -> dict[str, Any]:
     frame = {"centre": field.centre.tolist(), "scale": field.scale} if job["options"]["normalize"] else {}
     return {"samples": list(field.shape), "origin": field.origin.tolist(), "spacing": field.spacing, **frame}
 
 
-def _band_figures(band: SparseField) -> dict[str, Any]:
+def _band_figures(band: Field) -> dict[str, Any]:
     in_tiles = int((band.tile_sides.astype(np.int64) ** 3).sum())  # All of these samples are inside.
     deepest = -band.inside if in_tiles else np.inf
     return {
-        "distance_min": float(min(band.values.min(initial=np.inf), deepest)),
-        "distance_max": float(band.values.max(initial=-np.inf)),
-        "inside_share": (np.count_nonzero(band.values < 0) + in_tiles) / math.prod(band.shape),
+        "distance_min": float(min(band.distance.min(initial=np.inf), deepest)),
+        "distance_max": float(band.distance.max(initial=-np.inf)),
+        "inside_share": (np.count_nonzero(band.distance < 0) + in_tiles) / math.prod(band.shape),
         "leaves": len(band.origins),
         "active_samples": band.active_count,
     }

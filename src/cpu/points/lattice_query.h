@@ -1,7 +1,7 @@
 #pragma once
 
+#include <raymap/narrow_band.h>
 #include <raymap/region.h>
-#include <raymap/sparse_field.h>
 
 #include <array>
 #include <span>
@@ -29,7 +29,7 @@ struct AskedCube {
 /// time: they need no sorting, and those near each other share their sign.
 class LatticeQuery {
  public:
-  static constexpr int kSide = SparseField::kLeafSide;  ///< Samples along a cube.
+  static constexpr int kSide = NarrowBand::kLeafSide;  ///< Samples along a cube.
   static constexpr int kPartSide = kSide / 2;
   static constexpr int kDistanceSide = 32;  ///< Side of the cubes whose samples are measured together.
   static constexpr size_t kSamplesOfBlock = size_t(kDistanceSide) * kDistanceSide * kDistanceSide;

@@ -41,17 +41,18 @@ class BandMaker {
   BandMaker(const PreparedSurface& surface, const Grid& grid, const BandOptions& options, Progress& progress)
       : surface_(surface), options_(options), progress_(progress) {
     band_.grid = grid;
-    band_.outside = options.outside * grid.spacing;
-    band_.inside = options.inside * grid.spacing;
+    band_.narrow.emplace();
+    band_.narrow->outside = options.outside * grid.spacing;
+    band_.narrow->inside = options.inside * grid.spacing;
   }
 
-  SparseField make(size_t most) {
+  Field make(size_t most) {
     progress_.stage("find_leaves", [&] { findLeaves(); });
     const size_t arrays =
         1 + (options_.triangle ? 1 : 0) + (options_.winding ? 1 : 0) + (options_.confidence ? 1 : 0);
     checkFieldMemory(surface_.bytes() +
                          parts_.size() * (sizeof(glm::ivec3) + sizeof(LeafParts) +
-                                          arrays * sizeof(float) * SparseField::kLeafSamples) +
+                                          arrays * sizeof(float) * NarrowBand::kLeafSamples) +
                          parallelThreads() * LatticeQuery::kSamplesOfBlock * LatticeQuery::kBytesPerSample,
                      most);
     progress_.stage("fill_leaves", [&] { fillLeaves(); });
@@ -62,9 +63,9 @@ class BandMaker {
   /// Halves the cubes that may hold samples of the band, down to the parts of leaves.
   void findLeaves() {
     const glm::ivec3 dims = band_.grid.dims;
-    FarCubes far(surface_, band_.grid, {band_.outside, band_.inside});
+    FarCubes far(surface_, band_.grid, {band_.narrow->outside, band_.narrow->inside});
     int side =
-        std::max(int(std::bit_ceil(uint32_t(std::max({dims.x, dims.y, dims.z})))), SparseField::kLeafSide);
+        std::max(int(std::bit_ceil(uint32_t(std::max({dims.x, dims.y, dims.z})))), NarrowBand::kLeafSide);
     std::vector<glm::ivec3> cubes{glm::ivec3(0)};
     const int levels = std::countr_zero(uint32_t(side / kSmallest));
     for (int level = 0; !cubes.empty(); ++level) {
@@ -77,12 +78,12 @@ class BandMaker {
       }
       std::vector<glm::ivec3> parts;
       for (size_t c = 0; c < cubes.size(); ++c) {
-        if (sides[c] == Side::Inside) band_.tiles.push_back({cubes[c], side});
+        if (sides[c] == Side::Inside) band_.narrow->tiles.push_back({cubes[c], side});
         if (sides[c] != Side::Unknown) continue;
         for (int child = 0; child < 8; ++child) {
           const glm::ivec3 low = childOf(cubes[c], side, child);
           // All parts of a leaf are kept, so that eight follow each other.
-          if (side == SparseField::kLeafSide || glm::all(glm::lessThan(low, dims))) parts.push_back(low);
+          if (side == NarrowBand::kLeafSide || glm::all(glm::lessThan(low, dims))) parts.push_back(low);
         }
       }
       cubes = std::move(parts);
@@ -97,14 +98,14 @@ class BandMaker {
       if (leaf.has(Side::Unknown) || (leaf.has(Side::Inside) && leaf.has(Side::Outside)))
         parts_.push_back(leaf);
       else if (leaf.has(Side::Inside))
-        band_.tiles.push_back({leaf.low, SparseField::kLeafSide});
+        band_.narrow->tiles.push_back({leaf.low, NarrowBand::kLeafSide});
     }
   }
 
   /// Fills leaves, some at a time, and keeps those that have samples of the band or of both sides.
   void fillLeaves() {
-    const size_t values = parts_.size() * SparseField::kLeafSamples;
-    band_.leaves.resizeUninitialized(parts_.size());
+    const size_t values = parts_.size() * NarrowBand::kLeafSamples;
+    band_.narrow->leaves.resizeUninitialized(parts_.size());
     band_.distance.resizeUninitialized(values);
     band_.triangle.resizeUninitialized(options_.triangle ? values : 0);
     band_.winding.resizeUninitialized(options_.winding ? values : 0);
@@ -113,7 +114,7 @@ class BandMaker {
     const QueryOptions asked{.triangle = options_.triangle,
                              .winding = options_.winding,
                              .confidence = options_.confidence,
-                             .maxDistance = std::max(band_.outside, band_.inside)};
+                             .maxDistance = std::max(band_.narrow->outside, band_.narrow->inside)};
     WorkMeter meter(progress_, 0.0, 1.0, double(blocks.size() - 1));
     size_t kept = 0;
     for (size_t begin = 0, end = 0; begin + 1 < blocks.size(); begin = end) {
@@ -124,7 +125,7 @@ class BandMaker {
       for (size_t leaf = blocks[begin]; leaf < blocks[end]; ++leaf) kept = keepLeaf(leaf, kept);
     }
     shrink(kept);
-    band_.tiles = joined(std::move(band_.tiles), band_.grid.dims);
+    band_.narrow->tiles = joined(std::move(band_.narrow->tiles), band_.grid.dims);
   }
 
   /// Returns the first leaf in each cube of samples that are measured together, and at last the number of
@@ -162,9 +163,9 @@ class BandMaker {
 
   /// Returns the place of a sample's values.
   static size_t placeOf(size_t leaf, const glm::ivec3& sample) {
-    constexpr int kSide = SparseField::kLeafSide;
+    constexpr int kSide = NarrowBand::kLeafSide;
     const glm::ivec3 p = sample % kSide;
-    return leaf * SparseField::kLeafSamples + (size_t(p.z) * kSide + size_t(p.y)) * kSide + size_t(p.x);
+    return leaf * NarrowBand::kLeafSamples + (size_t(p.z) * kSide + size_t(p.y)) * kSide + size_t(p.x);
   }
 
   bool isOnLattice(const glm::ivec3& sample) const {
@@ -174,40 +175,40 @@ class BandMaker {
   /// Fills what is known of a leaf without asking.
   void fillKnown(size_t leaf) {
     const LeafParts& parts = parts_[leaf];
-    band_.leaves[leaf] = parts.low;
+    band_.narrow->leaves[leaf] = parts.low;
     const auto fill = [&](auto& array, auto value) {
       if (!array.empty())
-        std::fill_n(array.data() + leaf * SparseField::kLeafSamples, SparseField::kLeafSamples, value);
+        std::fill_n(array.data() + leaf * NarrowBand::kLeafSamples, NarrowBand::kLeafSamples, value);
     };
-    fill(band_.distance, float(band_.outside));
+    fill(band_.distance, float(band_.narrow->outside));
     fill(band_.triangle, kNoTriangle);
     fill(band_.winding, 0.0f);
     fill(band_.confidence, 0.0f);
     for (int part = 0; part < 8; ++part)
       if (parts.sides[size_t(part)] == Side::Inside)
         LatticeQuery::forEachOfPart(parts.low, part, [&](const glm::ivec3& sample) {
-          if (isOnLattice(sample)) band_.distance[placeOf(leaf, sample)] = -float(band_.inside);
+          if (isOnLattice(sample)) band_.distance[placeOf(leaf, sample)] = -float(band_.narrow->inside);
         });
   }
 
   /// Stores what was found at a point.
   void take(const QueryResult& found, size_t point, size_t place) {
-    const auto value = float(std::clamp(found.distance[point], -band_.inside, band_.outside));
+    const auto value = float(std::clamp(found.distance[point], -band_.narrow->inside, band_.narrow->outside));
     band_.distance[place] = value;
     if (options_.triangle)
-      band_.triangle[place] = band_.isActive(value) ? found.triangle[point] : kNoTriangle;
+      band_.triangle[place] = band_.narrow->isActive(value) ? found.triangle[point] : kNoTriangle;
     if (options_.winding) band_.winding[place] = found.winding[point];
     if (options_.confidence) band_.confidence[place] = found.confidence[point];
   }
 
   /// Returns whether all samples of a leaf, which begins on the lattice, lie beyond the band on one side.
   bool isBeyondBand(size_t leaf) const {
-    const glm::ivec3 low = band_.leaves[leaf];
-    const float* values = band_.distance.data() + leaf * SparseField::kLeafSamples;
+    const glm::ivec3 low = band_.narrow->leaves[leaf];
+    const float* values = band_.distance.data() + leaf * NarrowBand::kLeafSamples;
     const bool isInside = values[0] < 0.0f;
-    const auto isLikeFirst = [&](float v) { return !band_.isActive(v) && (v < 0.0f) == isInside; };
-    if (isOnLattice(low + (SparseField::kLeafSide - 1)))
-      return std::all_of(values, values + SparseField::kLeafSamples, isLikeFirst);
+    const auto isLikeFirst = [&](float v) { return !band_.narrow->isActive(v) && (v < 0.0f) == isInside; };
+    if (isOnLattice(low + (NarrowBand::kLeafSide - 1)))
+      return std::all_of(values, values + NarrowBand::kLeafSamples, isLikeFirst);
     bool areLikeFirst = true;
     for (int part = 0; part < 8; ++part)
       LatticeQuery::forEachOfPart(low, part, [&](const glm::ivec3& sample) {
@@ -219,14 +220,14 @@ class BandMaker {
   /// Moves a leaf to where the kept ones end, unless all its samples lie beyond the band on one side. Returns
   /// where they end now.
   size_t keepLeaf(size_t leaf, size_t kept) {
-    constexpr size_t kLeafSamples = SparseField::kLeafSamples;
+    constexpr size_t kLeafSamples = NarrowBand::kLeafSamples;
     if (isBeyondBand(leaf)) {
       if (band_.distance[leaf * kLeafSamples] < 0.0f)
-        band_.tiles.push_back({band_.leaves[leaf], SparseField::kLeafSide});
+        band_.narrow->tiles.push_back({band_.narrow->leaves[leaf], NarrowBand::kLeafSide});
       return kept;
     }
     if (leaf != kept) {
-      band_.leaves[kept] = band_.leaves[leaf];
+      band_.narrow->leaves[kept] = band_.narrow->leaves[leaf];
       const auto move = [&](auto& array) {
         if (!array.empty())
           std::copy_n(array.data() + leaf * kLeafSamples, kLeafSamples, array.data() + kept * kLeafSamples);
@@ -243,24 +244,24 @@ class BandMaker {
     const auto cut = [&](auto& array, size_t size) {
       if (!array.empty()) array.resizeUninitialized(size);
     };
-    band_.leaves.resizeUninitialized(kept);
-    cut(band_.distance, kept * SparseField::kLeafSamples);
-    cut(band_.triangle, kept * SparseField::kLeafSamples);
-    cut(band_.winding, kept * SparseField::kLeafSamples);
-    cut(band_.confidence, kept * SparseField::kLeafSamples);
+    band_.narrow->leaves.resizeUninitialized(kept);
+    cut(band_.distance, kept * NarrowBand::kLeafSamples);
+    cut(band_.triangle, kept * NarrowBand::kLeafSamples);
+    cut(band_.winding, kept * NarrowBand::kLeafSamples);
+    cut(band_.confidence, kept * NarrowBand::kLeafSamples);
   }
 
   const PreparedSurface& surface_;
   const BandOptions& options_;
   Progress& progress_;
-  SparseField band_;
+  Field band_;
   std::vector<LeafParts> parts_;
 };
 
 }  // namespace
 
-SparseField makeNarrowBand(const PreparedSurface& surface, const Grid& grid, const BandOptions& options,
-                           size_t most, Progress& progress) {
+Field makeNarrowBand(const PreparedSurface& surface, const Grid& grid, const BandOptions& options,
+                     size_t most, Progress& progress) {
   return BandMaker(surface, grid, options, progress).make(most);
 }
 

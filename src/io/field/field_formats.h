@@ -1,13 +1,12 @@
 #pragma once
 
-#include <raymap/sparse_field.h>
+#include <raymap/narrow_band.h>
 
 #include "io/field/field_array.h"
 
 #include <cstdint>
 #include <iosfwd>
 #include <span>
-#include <variant>
 
 // One reader and one writer per format, for `readField` and `writeField`. Readers add the names of the arrays
 // that they leave out. The arrays passed to writers fit the grid. A frame needs no samples.
@@ -51,8 +50,8 @@ inline std::string arrayGridName(std::string_view band, std::string_view array) 
   return std::string(band) + "." + std::string(array);
 }
 
-std::variant<Field, SparseField> readVdb(const SourceFile& source, LeftOut& leftOut, const GridChoice& grid);
-std::variant<Field, SparseField> readNvdb(const SourceFile& source, LeftOut& leftOut, const GridChoice& grid);
+Field readVdb(const SourceFile& source, LeftOut& leftOut, const GridChoice& grid);
+Field readNvdb(const SourceFile& source, LeftOut& leftOut, const GridChoice& grid);
 /// How a .vdb or .nvdb stores an array.
 struct VdbStorage {
   std::string_view gridName;  ///< Empty: that of the array.
@@ -62,8 +61,8 @@ struct VdbStorage {
 
 void writeVdb(std::ostream& out, const Field& field, const NamedArray& array, const VdbStorage& storage);
 /// Writes narrow bands with all their arrays.
-void writeVdb(std::ostream& out, std::span<const NamedBand> bands, const VdbStorage& storage);
+void writeVdb(std::ostream& out, std::span<const NamedField> bands, const VdbStorage& storage);
 void writeNvdb(std::ostream& out, const Field& field, const NamedArray& array, const VdbStorage& storage);
-void writeNvdb(std::ostream& out, std::span<const NamedBand> bands, const VdbStorage& storage);
+void writeNvdb(std::ostream& out, std::span<const NamedField> bands, const VdbStorage& storage);
 
 }  // namespace raymap

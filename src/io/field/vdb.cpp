@@ -44,7 +44,7 @@ openvdb::Coord lowOf(const Grid& grid) {
     const double steps = std::round(grid.origin[axis] / grid.spacing);
     if (!(std::abs(steps) < kMost) || steps * grid.spacing != grid.origin[axis]) return {};
     low[axis] = int(steps);
-    if (low[axis] % SparseField::kLeafSide != 0) return {};
+    if (low[axis] % NarrowBand::kLeafSide != 0) return {};
   }
   return low;
 }
@@ -57,14 +57,14 @@ openvdb::CoordBBox boxOf(const Grid& grid) {
 /// Throws `Error(Memory)` if a tree of so many leaves does not fit: OpenVDB's classes end the program when
 /// memory runs out.
 void checkTree(uint64_t leaves) {
-  constexpr uint64_t kLeafBytes = SparseField::kLeafSamples * sizeof(float) + 256;  // With its masks.
+  constexpr uint64_t kLeafBytes = NarrowBand::kLeafSamples * sizeof(float) + 256;  // With its masks.
   checkFormatMemory(leaves * kLeafBytes);
 }
 
 /// Returns how many leaves of a grid have samples of different values. The others become tiles.
 template <class Value>
 uint64_t countMixedLeaves(const Grid& grid, const Value* values) {
-  constexpr int kSide = SparseField::kLeafSide;
+  constexpr int kSide = NarrowBand::kLeafSide;
   const glm::ivec3 leaves = (grid.dims + (kSide - 1)) / kSide;
   const auto isMixed = [&](const glm::ivec3& low) {
     const glm::ivec3 high = glm::min(low + kSide, grid.dims);
@@ -283,22 +283,22 @@ void replaceIdentifier(std::ostream& out, const std::vector<std::span<const std:
 /// Returns a tree with the leaves of a narrow band. Values that are not active take part in none of OpenVDB's
 /// tools.
 template <class GridType, class Stored, class IsActive>
-openvdb::GridBase::Ptr makeLeaves(const SparseField& band, std::span<const Stored> values,
+openvdb::GridBase::Ptr makeLeaves(const Field& band, std::span<const Stored> values,
                                   typename GridType::ValueType background, IsActive&& isActive) {
   using Leaf = typename GridType::TreeType::LeafNodeType;
-  constexpr int kSide = SparseField::kLeafSide;
+  constexpr int kSide = NarrowBand::kLeafSide;
   static_assert(Leaf::DIM == kSide);
-  checkTree(band.leaves.size());
+  checkTree(band.narrow->leaves.size());
   openvdb::GridBase::Ptr made = openvdb::GridBase::createGrid(GridType::gridType());
   auto& tree = static_cast<GridType&>(*made).tree();
   openvdb::tools::changeBackground(tree, background);
   std::vector<Leaf*> leaves;
   const openvdb::Coord first = lowOf(band.grid);
-  for (const glm::ivec3& low : band.leaves)
+  for (const glm::ivec3& low : band.narrow->leaves)
     leaves.push_back(tree.touchLeaf(first.offsetBy(low.x, low.y, low.z)));
   parallelFor(leaves.size(), 256, [&](size_t begin, size_t end) {
     for (size_t l = begin; l < end; ++l) {
-      const Stored* from = values.data() + l * SparseField::kLeafSamples;
+      const Stored* from = values.data() + l * NarrowBand::kLeafSamples;
       for (int z = 0; z < kSide; ++z)
         for (int y = 0; y < kSide; ++y)
           for (int x = 0; x < kSide; ++x, ++from) {
@@ -317,12 +317,12 @@ std::vector<std::span<const std::byte>> bytesOf(const std::vector<NamedArray>& a
   return bytes;
 }
 
-std::vector<std::span<const std::byte>> bytesOf(std::span<const NamedBand> bands) {
+std::vector<std::span<const std::byte>> bytesOf(std::span<const NamedField> bands) {
   std::vector<std::span<const std::byte>> bytes;
   const auto add = [&](const auto& array) { bytes.push_back(std::as_bytes(std::span(array))); };
-  for (const NamedBand& each : bands) {
-    const SparseField& band = *each.band;
-    add(band.leaves);
+  for (const NamedField& each : bands) {
+    const Field& band = *each.field;
+    add(band.narrow->leaves);
     add(band.distance);
     add(band.triangle);
     add(band.winding);
@@ -351,31 +351,30 @@ void writeGrids(std::ostream& out, FunctionView<openvdb::GridPtrVec&> make,
 }
 
 /// Returns the grid of a band's distances. What lies inside and in no leaf is filled with one value.
-openvdb::GridBase::Ptr distanceGridOf(const SparseField& band, const VdbStorage& storage) {
-  const auto isActive = [&](float value) { return band.isActive(value); };
+openvdb::GridBase::Ptr distanceGridOf(const Field& band, const VdbStorage& storage) {
+  const auto isActive = [&](float value) { return band.narrow->isActive(value); };
   openvdb::GridBase::Ptr made = makeLeaves<openvdb::FloatGrid>(band, std::span<const float>(band.distance),
-                                                               float(band.outside), isActive);
+                                                               float(band.narrow->outside), isActive);
   auto& grid = static_cast<openvdb::FloatGrid&>(*made);
   const openvdb::CoordBBox lattice = boxOf(band.grid);
-  for (const SparseField::Tile& tile : band.tiles) {
+  for (const NarrowBand::Tile& tile : band.narrow->tiles) {
     openvdb::CoordBBox box =
         openvdb::CoordBBox::createCube(lattice.min().offsetBy(tile.low.x, tile.low.y, tile.low.z), tile.side);
     box.intersect(lattice);
-    grid.tree().root().sparseFill(box, -float(band.inside), false);
+    grid.tree().root().sparseFill(box, -float(band.narrow->inside), false);
   }
   Sides farthest = storage.half ? farthestOf(band.distance, isActive) : Sides{};
-  if (band.inside == band.outside) farthest = sameOnBothSides(farthest);
-  replaceInactive(grid, {float(band.outside), float(band.inside)},
-                  storedWidths({band.outside, band.inside}, farthest, storage));
+  if (band.narrow->inside == band.narrow->outside) farthest = sameOnBothSides(farthest);
+  replaceInactive(grid, {float(band.narrow->outside), float(band.narrow->inside)},
+                  storedWidths({band.narrow->outside, band.narrow->inside}, farthest, storage));
   openvdb::tools::prune(grid.tree());
   grid.setGridClass(openvdb::GRID_LEVEL_SET);
   return made;
 }
 
 /// Adds a grid for each array of a band.
-void addGrids(const SparseField& band, bool isOneOfSeveral, const VdbStorage& storage,
-              openvdb::GridPtrVec& grids) {
-  const double clampDistance = band.inside == band.outside ? band.outside : 0.0;
+void addGrids(const Field& band, bool isOneOfSeveral, const VdbStorage& storage, openvdb::GridPtrVec& grids) {
+  const double clampDistance = band.narrow->inside == band.narrow->outside ? band.narrow->outside : 0.0;
   const auto add = [&](std::string_view name, const char* meaning, openvdb::GridBase::Ptr grid) {
     const GridLabel label = isOneOfSeveral ? GridLabel::ofSeveral(name, storage)
                                            : GridLabel::of(name, name == "distance", storage);
@@ -385,8 +384,8 @@ void addGrids(const SparseField& band, bool isOneOfSeveral, const VdbStorage& st
   constexpr const char* kUnknown = "beyond the band nothing is known";
   const auto always = [](float) { return true; };
   add("distance", "band: distances are clamped to this magnitude", distanceGridOf(band, storage));
-  grids.back()->insertMeta(kVdbOutsideKey, openvdb::DoubleMetadata(band.outside));
-  grids.back()->insertMeta(kVdbInsideKey, openvdb::DoubleMetadata(band.inside));
+  grids.back()->insertMeta(kVdbOutsideKey, openvdb::DoubleMetadata(band.narrow->outside));
+  grids.back()->insertMeta(kVdbInsideKey, openvdb::DoubleMetadata(band.narrow->inside));
   if (!band.triangle.empty())
     add("triangle", kUnknown,
         makeLeaves<openvdb::Int32Grid>(band, std::span<const uint32_t>(band.triangle), -1,
@@ -405,9 +404,9 @@ void addGrids(const Field& field, const NamedArray& array, const VdbStorage& sto
     grids.push_back(gridOf(field, each, GridLabel::of(each.name, each.name == array.name, storage), storage));
 }
 
-void addGrids(std::span<const NamedBand> bands, const VdbStorage& storage, openvdb::GridPtrVec& grids) {
-  for (const NamedBand& each : bands)
-    addGrids(*each.band, bands.size() > 1, {each.name, storage.half, storage.inSteps}, grids);
+void addGrids(std::span<const NamedField> bands, const VdbStorage& storage, openvdb::GridPtrVec& grids) {
+  for (const NamedField& each : bands)
+    addGrids(*each.field, bands.size() > 1, {each.name, storage.half, storage.inSteps}, grids);
 }
 
 }  // namespace
@@ -418,7 +417,7 @@ void writeVdb(std::ostream& out, const Field& field, const NamedArray& array, co
   replaceIdentifier(out, bytesOf(arraysWith(field, array)));
 }
 
-void writeVdb(std::ostream& out, std::span<const NamedBand> bands, const VdbStorage& storage) {
+void writeVdb(std::ostream& out, std::span<const NamedField> bands, const VdbStorage& storage) {
   writeGrids(
       out, [&](openvdb::GridPtrVec& grids) { addGrids(bands, storage, grids); }, putVdb);
   replaceIdentifier(out, bytesOf(bands));
@@ -430,7 +429,7 @@ void writeNvdb(std::ostream& out, const Field& field, const NamedArray& array, c
       out, [&](openvdb::GridPtrVec& grids) { addGrids(field, array, inSteps, grids); }, putNvdb);
 }
 
-void writeNvdb(std::ostream& out, std::span<const NamedBand> bands, const VdbStorage& storage) {
+void writeNvdb(std::ostream& out, std::span<const NamedField> bands, const VdbStorage& storage) {
   const VdbStorage inSteps{storage.gridName, storage.half, true};
   writeGrids(
       out, [&](openvdb::GridPtrVec& grids) { addGrids(bands, inSteps, grids); }, putNvdb);

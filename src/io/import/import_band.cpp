@@ -17,8 +17,8 @@ namespace raymap {
 
 namespace {
 
-constexpr int kSide = SparseField::kLeafSide;
-constexpr size_t kLeafSamples = SparseField::kLeafSamples;
+constexpr int kSide = NarrowBand::kLeafSide;
+constexpr size_t kLeafSamples = NarrowBand::kLeafSamples;
 using Leaf = openvdb::FloatTree::LeafNodeType;
 static_assert(Leaf::DIM == kSide);
 
@@ -160,7 +160,7 @@ void BandShape::describe(VdbHeader& header) const {
 
 void BandShape::put() const {
   raymap::put(leaves_.data(), leaves_.size() * sizeof(glm::ivec3));
-  raymap::put(tiles_.data(), tiles_.size() * sizeof(SparseField::Tile));
+  raymap::put(tiles_.data(), tiles_.size() * sizeof(NarrowBand::Tile));
 }
 
 template <class GridType>

@@ -1,7 +1,7 @@
 #pragma once
 
 #include <openvdb/openvdb.h>
-#include <raymap/sparse_field.h>
+#include <raymap/narrow_band.h>
 
 #include <vector>
 
@@ -39,7 +39,7 @@ class BandShape {
   float background_ = 0.0f, insideValue_ = 0.0f;
   double outside_ = 0.0, inside_ = 0.0;
   std::vector<glm::ivec3> leaves_;
-  std::vector<SparseField::Tile> tiles_;
+  std::vector<NarrowBand::Tile> tiles_;
 };
 
 }  // namespace raymap

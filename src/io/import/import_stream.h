@@ -6,7 +6,7 @@
 // - for each mesh of a request for Draco, a MeshHeader, the triangles, and for each attribute that was asked
 //   for the number of its components (64 bits) and its numbers (doubles);
 // - for each grid, a VdbHeader and the samples (four bytes each, x fastest);
-// - for a narrow band, a VdbHeader, the leaves (glm::ivec3 each), the tiles (SparseField::Tile each) and the
+// - for a narrow band, a VdbHeader, the leaves (glm::ivec3 each), the tiles (NarrowBand::Tile each) and the
 //   distances (512 of four bytes per leaf, x fastest); for each further grid, a VdbHeader and its values.
 
 #include <array>

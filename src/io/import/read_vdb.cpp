@@ -26,7 +26,7 @@ class GridReader {
   GridReader(const SourceFile& source, std::string_view format, uint64_t fileBytes, const GridChoice& grid)
       : path_(source.path()), most_(mostBytes(fileBytes)), importer_(source, format, fileBytes, grid) {}
 
-  std::variant<Field, SparseField> read(LeftOut& leftOut) {
+  Field read(LeftOut& leftOut) {
     std::istringstream names(importer_.warning());
     for (std::string name; std::getline(names, name);) leftOut.push_back(name);
     next();
@@ -76,16 +76,15 @@ class GridReader {
     if (about.grid != first) throwInvalid(path_, "its grid '" + name_ + "' lies elsewhere than the others");
   }
 
-  SparseField readBand() {
+  Field readBand() {
     Field about = placed();
-    SparseField band{.grid = about.grid,
-                     .outside = header_.outside,
-                     .inside = header_.inside,
-                     .surfaceBounds = about.surfaceBounds};
+    Field band{.grid = about.grid,
+               .surfaceBounds = about.surfaceBounds,
+               .narrow = NarrowBand{.outside = header_.outside, .inside = header_.inside}};
     checkBytes();
-    receive(band.leaves, header_.leaves);
-    band.tiles.resize(header_.tiles);
-    importer_.receive(band.tiles.data(), band.tiles.size() * sizeof(SparseField::Tile));
+    receive(band.narrow->leaves, header_.leaves);
+    band.narrow->tiles.resize(header_.tiles);
+    importer_.receive(band.narrow->tiles.data(), band.narrow->tiles.size() * sizeof(NarrowBand::Tile));
     receiveValues(band, band.distance);
     while (header_.gridsAfter > 0) {
       next();
@@ -109,13 +108,13 @@ class GridReader {
 
   /// Throws unless the leaves of the band may be in the file, and fit into memory with all arrays.
   void checkBytes() const {
-    constexpr uint64_t kLeafBytes = SparseField::kLeafSamples * sizeof(float);
+    constexpr uint64_t kLeafBytes = NarrowBand::kLeafSamples * sizeof(float);
     const uint64_t leaves = header_.leaves, tiles = header_.tiles;
-    if (leaves > most_ / kLeafBytes || tiles > most_ / sizeof(SparseField::Tile))
+    if (leaves > most_ / kLeafBytes || tiles > most_ / sizeof(NarrowBand::Tile))
       throwInvalid(path_, "declares " + std::to_string(leaves) + " leaves and " + std::to_string(tiles) +
                               " tiles, more than its bytes can hold");
     checkFieldMemory(leaves * (sizeof(glm::ivec3) + kLeafBytes * (1 + header_.gridsAfter)) +
-                         tiles * sizeof(SparseField::Tile),
+                         tiles * sizeof(NarrowBand::Tile),
                      memoryLeft());
   }
 
@@ -126,8 +125,8 @@ class GridReader {
   }
 
   template <class Element>
-  void receiveValues(const SparseField& band, Buffer<Element>& array) {
-    receive(array, band.leaves.size() * SparseField::kLeafSamples);
+  void receiveValues(const Field& band, Buffer<Element>& array) {
+    receive(array, band.narrow->leaves.size() * NarrowBand::kLeafSamples);
   }
 
   const std::filesystem::path& path_;
@@ -138,8 +137,8 @@ class GridReader {
   ElementType type_ = ElementType::Float32;
 };
 
-std::variant<Field, SparseField> readGrids(const SourceFile& source, std::string_view format,
-                                           std::string_view magic, LeftOut& leftOut, const GridChoice& grid) {
+Field readGrids(const SourceFile& source, std::string_view format, std::string_view magic, LeftOut& leftOut,
+                const GridChoice& grid) {
   InputFile file(source);
   const uint64_t fileBytes = file.remaining();
   std::string begin(magic.size(), ' ');
@@ -150,12 +149,11 @@ std::variant<Field, SparseField> readGrids(const SourceFile& source, std::string
 
 }  // namespace
 
-std::variant<Field, SparseField> readVdb(const SourceFile& source, LeftOut& leftOut, const GridChoice& grid) {
+Field readVdb(const SourceFile& source, LeftOut& leftOut, const GridChoice& grid) {
   return readGrids(source, ".vdb", " BDV", leftOut, grid);
 }
 
-std::variant<Field, SparseField> readNvdb(const SourceFile& source, LeftOut& leftOut,
-                                          const GridChoice& grid) {
+Field readNvdb(const SourceFile& source, LeftOut& leftOut, const GridChoice& grid) {
   return readGrids(source, ".nvdb", "NanoVDB", leftOut, grid);
 }
 

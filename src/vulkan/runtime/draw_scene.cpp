@@ -83,8 +83,7 @@ void drawScene(Device& device, const DrawnScene& scene, Progress& progress, Pict
   const double scale = 1.0 / field.grid().spacing;
   Buffers buffers(device, std::max(field.sampleCount(), size_t{1}), shown,
                   tree ? field.leafIndex(scale) : std::vector<uint32_t>(), picture.rgb.size() / 3);
-  fillSamples(tree ? tree->band().distance : field.dense()->distance, scale,
-              buffers.uploadedField.mapped<float>());
+  fillSamples(field.field().distance, scale, buffers.uploadedField.mapped<float>());
   if (shown)
     fillSamples(shown->numbers(), shown->isDifference() ? scale : 1.0,
                 buffers.uploadedValues.mapped<float>());

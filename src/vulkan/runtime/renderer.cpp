@@ -26,7 +26,8 @@ GridMotion motionOf(const FieldBuffer& field) {
 
 }  // namespace
 
-std::vector<uint32_t> packLeafIndex(const SparseField& band) {
+std::vector<uint32_t> packLeafIndex(const Field& band) {
+  requireNarrow(band);
   validate(band);
   return DrawnField(band).leafIndex(1.0);
 }
@@ -69,7 +70,6 @@ void Renderer::record(VkCommandBuffer commands, const FieldBuffer& field, const 
   const Field elsewhere{.grid = field.grid, .clampDistance = field.clampDistance};
   RenderOptions shown = options;
   shown.other = nullptr;
-  shown.otherBand = nullptr;
   if (field.values.buffer) {
     samples.values = addressOf(notMoved(impl_).device.handle(), field.values, "numbers in colour");
     if (options.array == FieldArray::Distance) shown.other = &elsewhere;

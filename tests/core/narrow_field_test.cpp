@@ -19,7 +19,7 @@
 namespace raymap {
 namespace {
 
-constexpr double kEverywhere = std::numeric_limits<double>::infinity();
+constexpr double kInfinite = std::numeric_limits<double>::infinity();
 
 template <class Number>
 bool same(const Buffer<Number>& a, const Buffer<Number>& b) {
@@ -38,8 +38,8 @@ Mesh torusWithHoles() {
 }
 
 /// Bands of several widths, of a lattice around the mesh and of one that cuts it.
-std::vector<SparseField> someBands() {
-  std::vector<SparseField> bands;
+std::vector<Field> someBands() {
+  std::vector<Field> bands;
   const Mesh mesh = torusWithHoles();
   const Surface surface(mesh);
   const Box part{{-0.5, -0.4, -0.2}, {1.2, 1.1, 0.3}};
@@ -47,16 +47,16 @@ std::vector<SparseField> someBands() {
        {fitGrid(mesh, {.resolution = 45}), fitGrid(mesh, {.voxelSize = 0.04, .box = part})})
     for (const BandOptions& options :
          {BandOptions{.triangle = true, .winding = true, .confidence = true},
-          BandOptions{.outside = 1.5, .inside = 4.25}, BandOptions{.outside = 4.0, .inside = kEverywhere}})
+          BandOptions{.outside = 1.5, .inside = 4.25}, BandOptions{.outside = 4.0, .inside = kInfinite}})
       bands.push_back(surface.generateBand(grid, options));
   return bands;
 }
 
-TEST(SparseField, MakesADenseField) {
-  for (const SparseField& band : someBands()) {
+TEST(NarrowField, MakesADenseField) {
+  for (const Field& band : someBands()) {
     const Field field = toDense(band);
     EXPECT_EQ(field.grid, band.grid);
-    EXPECT_EQ(field.clampDistance, std::min(band.inside, band.outside));
+    EXPECT_EQ(field.clampDistance, std::min(band.narrow->inside, band.narrow->outside));
     EXPECT_EQ(field.surfaceBounds.min, band.surfaceBounds.min);
     EXPECT_EQ(field.surfaceBounds.max, band.surfaceBounds.max);
     EXPECT_EQ(field.triangle.size(), band.triangle.empty() ? 0 : field.distance.size());
@@ -66,7 +66,7 @@ TEST(SparseField, MakesADenseField) {
       const size_t i = band.grid.index(sample);
       ASSERT_EQ(field.distance[i], band.distanceAt(sample));
       if (band.triangle.empty()) return;
-      if (const std::optional<size_t> place = band.find(sample)) {
+      if (const std::optional<size_t> place = band.narrow->find(sample)) {
         ASSERT_EQ(field.triangle[i], band.triangle[*place]);
         ASSERT_EQ(field.winding[i], band.winding[*place]);
         ASSERT_EQ(field.confidence[i], band.confidence[*place]);
@@ -78,26 +78,27 @@ TEST(SparseField, MakesADenseField) {
   }
 }
 
-TEST(SparseField, ComesFromADenseField) {
+TEST(NarrowField, ComesFromADenseField) {
   const Mesh mesh = torusWithHoles();
   const FieldOptions all{.triangle = true, .winding = true, .confidence = true};
   const Field field = generate(mesh, fitGrid(mesh, {.resolution = 70}), all, {.device = "cpu"}).field;
   for (const BandOptions& options :
        {BandOptions{.triangle = true, .winding = true, .confidence = true},
-        BandOptions{.outside = 1.5, .inside = 4.25}, BandOptions{.inside = kEverywhere}}) {
-    const SparseField band = toSparse(field, options);
+        BandOptions{.outside = 1.5, .inside = 4.25}, BandOptions{.inside = kInfinite}}) {
+    const Field band = toSparse(field, options);
     EXPECT_NO_THROW(validate(band));
-    EXPECT_GT(band.leaves.size(), 0u);
+    EXPECT_GT(band.narrow->leaves.size(), 0u);
     size_t active = 0;
     forEachSample(field.grid, [&](const glm::ivec3& sample) {
       const size_t i = field.grid.index(sample);
-      const auto value = float(std::clamp(double(field.distance[i]), -band.inside, band.outside));
+      const auto value =
+          float(std::clamp(double(field.distance[i]), -band.narrow->inside, band.narrow->outside));
       ASSERT_EQ(band.distanceAt(sample), value);
-      const std::optional<size_t> place = band.find(sample);
-      active += band.isActive(value);
-      ASSERT_TRUE(place || !band.isActive(value));
+      const std::optional<size_t> place = band.narrow->find(sample);
+      active += band.narrow->isActive(value);
+      ASSERT_TRUE(place || !band.narrow->isActive(value));
       if (!place || !options.triangle) return;
-      ASSERT_EQ(band.triangle[*place], band.isActive(value) ? field.triangle[i] : kNoTriangle);
+      ASSERT_EQ(band.triangle[*place], band.narrow->isActive(value) ? field.triangle[i] : kNoTriangle);
       ASSERT_EQ(band.winding[*place], field.winding[i]);
       ASSERT_EQ(band.confidence[*place], field.confidence[i]);
     });
@@ -106,28 +107,28 @@ TEST(SparseField, ComesFromADenseField) {
 }
 
 // Both find the leaves that are needed. Of the tiles, only those that can be joined change.
-TEST(SparseField, KeepsItsLeavesOnTheWayThroughADenseField) {
+TEST(NarrowField, KeepsItsLeavesOnTheWayThroughADenseField) {
   const Mesh mesh = shapes::box({0, 0, 0}, {1, 1, 1});
   const Surface surface(mesh);
   // The second grid lies in the box, up to 3 samples from two of its faces.
   for (const Grid& grid :
        {fitGrid(mesh, {.resolution = 160}), Grid{{101, 45, 92}, {-0.002, 0.3, 0.1}, 0.008}}) {
-    const SparseField band = surface.generateBand(grid, {.triangle = true});
-    const SparseField again = toSparse(toDense(band), {.triangle = true});
+    const Field band = surface.generateBand(grid, {.triangle = true});
+    const Field again = toSparse(toDense(band), {.triangle = true});
     EXPECT_NO_THROW(validate(band));
-    EXPECT_TRUE(same(again.leaves, band.leaves));
+    EXPECT_TRUE(same(again.narrow->leaves, band.narrow->leaves));
     EXPECT_TRUE(same(again.distance, band.distance));
     EXPECT_TRUE(same(again.triangle, band.triangle));
-    EXPECT_TRUE(
-        std::ranges::equal(std::as_bytes(std::span(again.tiles)), std::as_bytes(std::span(band.tiles))));
+    EXPECT_TRUE(std::ranges::equal(std::as_bytes(std::span(again.narrow->tiles)),
+                                   std::as_bytes(std::span(band.narrow->tiles))));
     EXPECT_TRUE(same(toDense(again).distance, toDense(band).distance));
   }
 }
 
-TEST(SparseField, GivesADenseFieldOfARegion) {
+TEST(NarrowField, GivesADenseFieldOfARegion) {
   const Mesh mesh = shapes::sphere(1.0, 3);
   const Surface surface(mesh);
-  const SparseField band =
+  const Field band =
       surface.generateBand(fitGrid(mesh, {.resolution = 60}), {.triangle = true, .winding = true});
   const Field whole = toDense(band);
   const Region region{{3, 17, 9}, {41, 1, 50}};
@@ -146,17 +147,17 @@ TEST(SparseField, GivesADenseFieldOfARegion) {
     EXPECT_EQ(codeOf([&] { toDense(band, wrong); }), ErrorCode::Usage);
 }
 
-TEST(SparseField, RefusesADenseFieldThatDoesNotFit) {
+TEST(NarrowField, RefusesADenseFieldThatDoesNotFit) {
   const Mesh mesh = shapes::sphere(1.0, 3);
   const Surface surface(mesh);
-  const SparseField band = surface.generateBand(fitGrid(mesh, {.resolution = 40}));
+  const Field band = surface.generateBand(fitGrid(mesh, {.resolution = 40}));
   EXPECT_EQ(codeOf([&] { toDense(band, {.memoryLimit = 100000}); }), ErrorCode::Memory);
   EXPECT_NO_THROW(toDense(band, {.memoryLimit = band.grid.sampleCount() * 4}));
   const Grid huge{.dims = glm::ivec3(1 << 24), .origin = glm::dvec3(-1.5), .spacing = 0.1};
   EXPECT_EQ(codeOf([&] { toDense(surface.generateBand(huge)); }), ErrorCode::Memory);
 }
 
-TEST(SparseField, RefusesBandsThatADenseFieldCannotGive) {
+TEST(NarrowField, RefusesBandsThatADenseFieldCannotGive) {
   const Mesh mesh = shapes::sphere(1.0, 3);
   const Grid grid = fitGrid(mesh, {.resolution = 20});
   Field field = generate(mesh, grid, {.band = 2.0}, {.device = "cpu"}).field;
@@ -165,7 +166,7 @@ TEST(SparseField, RefusesBandsThatADenseFieldCannotGive) {
   };
   refuses({.outside = 3.0, .inside = 2.0});
   refuses({.outside = 2.0, .inside = 3.0});
-  refuses({.outside = 2.0, .inside = kEverywhere});
+  refuses({.outside = 2.0, .inside = kInfinite});
   refuses({.outside = 2.0, .inside = 0.0});
   refuses({.outside = NAN, .inside = 2.0});
   refuses({.outside = 2.0, .inside = 2.0, .winding = true});
@@ -176,40 +177,41 @@ TEST(SparseField, RefusesBandsThatADenseFieldCannotGive) {
   EXPECT_EQ(codeOf([&] { toSparse(field, {.outside = 2.0, .inside = 2.0}); }), ErrorCode::Input);
 }
 
-TEST(SparseField, SaysWhatIsNotValid) {
+TEST(NarrowField, SaysWhatIsNotValid) {
   const auto codeWith = [](auto&& change) {
-    SparseField band{.grid = {.dims = {40, 40, 40}, .spacing = 1.0}, .outside = 3.0, .inside = 3.0};
-    band.leaves.resizeUninitialized(2);
-    band.leaves[0] = {8, 0, 0};
-    band.leaves[1] = {0, 8, 0};
-    band.distance.resizeUninitialized(2 * SparseField::kLeafSamples);
+    Field band{.grid = {.dims = {40, 40, 40}, .spacing = 1.0},
+               .narrow = NarrowBand{.outside = 3.0, .inside = 3.0}};
+    band.narrow->leaves.resizeUninitialized(2);
+    band.narrow->leaves[0] = {8, 0, 0};
+    band.narrow->leaves[1] = {0, 8, 0};
+    band.distance.resizeUninitialized(2 * NarrowBand::kLeafSamples);
     std::ranges::fill(band.distance, 1.0f);
-    band.tiles = {{{0, 0, 16}, 16}, {{32, 0, 0}, 8}};
+    band.narrow->tiles = {{{0, 0, 16}, 16}, {{32, 0, 0}, 8}};
     change(band);
     return codeOf([&] { validate(band); });
   };
-  EXPECT_EQ(codeWith([](SparseField&) {}), std::nullopt);
+  EXPECT_EQ(codeWith([](Field&) {}), std::nullopt);
   const auto refuses = [&](auto&& change) { EXPECT_EQ(codeWith(change), ErrorCode::Usage); };
-  refuses([](SparseField& band) { band.grid.spacing = 0.0; });
-  refuses([](SparseField& band) { band.grid.dims.z = (1 << 24) + 1; });
-  refuses([](SparseField& band) { band.outside = kEverywhere; });
-  refuses([](SparseField& band) { band.inside = 0.0; });
-  refuses([](SparseField& band) { band.distance.resizeUninitialized(512); });
-  refuses([](SparseField& band) { band.winding.resizeUninitialized(512); });
-  refuses([](SparseField& band) { std::swap(band.leaves[0], band.leaves[1]); });
-  refuses([](SparseField& band) { band.leaves[1] = band.leaves[0]; });
-  refuses([](SparseField& band) { band.leaves[1].y = 9; });
-  refuses([](SparseField& band) { band.leaves[0].x = -8; });
-  refuses([](SparseField& band) { band.leaves[1].z = 40; });
-  refuses([](SparseField& band) { band.tiles[0].side = 24; });
-  refuses([](SparseField& band) { band.tiles[0].side = 4; });
-  refuses([](SparseField& band) { band.tiles[0].side = 32; });
-  refuses([](SparseField& band) { std::swap(band.tiles[0], band.tiles[1]); });
+  refuses([](Field& band) { band.grid.spacing = 0.0; });
+  refuses([](Field& band) { band.grid.dims.z = (1 << 24) + 1; });
+  refuses([](Field& band) { band.narrow->outside = kInfinite; });
+  refuses([](Field& band) { band.narrow->inside = 0.0; });
+  refuses([](Field& band) { band.distance.resizeUninitialized(512); });
+  refuses([](Field& band) { band.winding.resizeUninitialized(512); });
+  refuses([](Field& band) { std::swap(band.narrow->leaves[0], band.narrow->leaves[1]); });
+  refuses([](Field& band) { band.narrow->leaves[1] = band.narrow->leaves[0]; });
+  refuses([](Field& band) { band.narrow->leaves[1].y = 9; });
+  refuses([](Field& band) { band.narrow->leaves[0].x = -8; });
+  refuses([](Field& band) { band.narrow->leaves[1].z = 40; });
+  refuses([](Field& band) { band.narrow->tiles[0].side = 24; });
+  refuses([](Field& band) { band.narrow->tiles[0].side = 4; });
+  refuses([](Field& band) { band.narrow->tiles[0].side = 32; });
+  refuses([](Field& band) { std::swap(band.narrow->tiles[0], band.narrow->tiles[1]); });
 }
 
-TEST(SparseField, IsSampledAsItsDenseField) {
+TEST(NarrowField, IsSampledAsItsDenseField) {
   std::mt19937 random(5);
-  for (const SparseField& band : someBands()) {
+  for (const Field& band : someBands()) {
     const Field field = toDense(band);
     const glm::dvec3 size = glm::dvec3(band.grid.dims - 1);
     std::uniform_real_distribution<> share(-0.3, 1.3);
@@ -236,25 +238,26 @@ TEST(SparseField, IsSampledAsItsDenseField) {
   }
 }
 
-TEST(SparseField, IsSampledAlongAnAxisOfOneSample) {
+TEST(NarrowField, IsSampledAlongAnAxisOfOneSample) {
   const Mesh mesh = shapes::sphere(1.0, 3);
   const Grid flat{.dims = {30, 1, 30}, .origin = {-1.45, 0.0, -1.45}, .spacing = 0.1};
-  const SparseField band = Surface(mesh).generateBand(flat);
+  const Field band = Surface(mesh).generateBand(flat);
   const Field field = toDense(band);
   for (const glm::dvec3& p : {glm::dvec3(0.93, 0, 0.2), glm::dvec3(0.5, 0, -0.8), glm::dvec3(0.1, 0.3, 1)})
     EXPECT_EQ(distanceAt(band, p), distanceAt(field, p));
 }
 
-TEST(SparseField, IsNotSampledWithoutItsArrays) {
-  SparseField band{.grid = {.dims = {8, 8, 8}, .spacing = 1.0}, .outside = 3.0, .inside = 3.0};
-  band.leaves.resizeUninitialized(1);
-  band.leaves[0] = {0, 0, 0};
+TEST(NarrowField, IsNotSampledWithoutItsArrays) {
+  Field band{.grid = {.dims = {8, 8, 8}, .spacing = 1.0},
+             .narrow = NarrowBand{.outside = 3.0, .inside = 3.0}};
+  band.narrow->leaves.resizeUninitialized(1);
+  band.narrow->leaves[0] = {0, 0, 0};
   EXPECT_EQ(codeOf([&] { distanceAt(band, glm::dvec3(0)); }), ErrorCode::Usage);
   EXPECT_EQ(codeOf([&] { gradientAt(band, glm::dvec3(0)); }), ErrorCode::Usage);
   EXPECT_EQ(codeOf([&] { sample(band, std::vector<glm::dvec3>{{0, 0, 0}}); }), ErrorCode::Usage);
 }
 
-void expectSameSurface(const SparseField& band, const Field& field, double iso) {
+void expectSameSurface(const Field& band, const Field& field, double iso) {
   std::vector<WarningCode> ofBand, ofField;
   const auto into = [](std::vector<WarningCode>& codes) {
     return [&codes](const Warning& warning) { codes.push_back(warning.code); };
@@ -271,8 +274,8 @@ void expectSameSurface(const SparseField& band, const Field& field, double iso) 
   EXPECT_EQ(ofBand, ofField);
 }
 
-TEST(SparseField, HasTheSurfaceOfItsDenseField) {
-  for (const SparseField& band : someBands()) {
+TEST(NarrowField, HasTheSurfaceOfItsDenseField) {
+  for (const Field& band : someBands()) {
     const Field field = toDense(band);
     for (const double share : {0.0, 0.4, -0.4}) expectSameSurface(band, field, share * field.clampDistance);
   }
@@ -280,10 +283,12 @@ TEST(SparseField, HasTheSurfaceOfItsDenseField) {
 
 // The sides of tiles are surface where no leaf lies beside them, as in the middle of a large hole, and where
 // the lattice ends.
-TEST(SparseField, HasASurfaceAtTheSidesOfTiles) {
-  SparseField band{.grid = {.dims = {45, 41, 50}, .spacing = 0.5}, .outside = 2.0, .inside = 1.5};
-  band.tiles = {{{0, 0, 0}, 16}, {{16, 0, 0}, 8}, {{24, 24, 8}, 8}, {{16, 32, 16}, 8}, {{32, 32, 32}, 16}};
-  std::ranges::sort(band.tiles, {}, [](const SparseField::Tile& tile) {
+TEST(NarrowField, HasASurfaceAtTheSidesOfTiles) {
+  Field band{.grid = {.dims = {45, 41, 50}, .spacing = 0.5},
+             .narrow = NarrowBand{.outside = 2.0, .inside = 1.5}};
+  band.narrow->tiles = {
+      {{0, 0, 0}, 16}, {{16, 0, 0}, 8}, {{24, 24, 8}, 8}, {{16, 32, 16}, 8}, {{32, 32, 32}, 16}};
+  std::ranges::sort(band.narrow->tiles, {}, [](const NarrowBand::Tile& tile) {
     return std::tuple(tile.low.z / 32, tile.low.y / 32, tile.low.x / 32, tile.low.z / 16, tile.low.y / 16,
                       tile.low.x / 16, tile.low.z, tile.low.y, tile.low.x);
   });
@@ -291,36 +296,36 @@ TEST(SparseField, HasASurfaceAtTheSidesOfTiles) {
   expectSameSurface(band, toDense(band), 0.7);
 }
 
-TEST(SparseField, HasTheSurfaceOfNoise) {
+TEST(NarrowField, HasTheSurfaceOfNoise) {
   std::mt19937 random(3);
   std::normal_distribution<float> noise;
   Field field{.grid = {.dims = {21, 17, 12}, .spacing = 2.0}};
   field.distance.resizeUninitialized(field.grid.sampleCount());
   for (float& value : field.distance) value = noise(random);
-  const SparseField band = toSparse(field, {.outside = 0.25, .inside = 0.25});
+  const Field band = toSparse(field, {.outside = 0.25, .inside = 0.25});
   expectSameSurface(band, toDense(band), 0.1);
 }
 
-TEST(SparseField, SaysWhyThereIsNoSurface) {
+TEST(NarrowField, SaysWhyThereIsNoSurface) {
   const Mesh mesh = shapes::sphere(1.0, 3);
   const Surface surface(mesh);
   const Grid grid = fitGrid(mesh, {.resolution = 30});
-  SparseField band = surface.generateBand(grid, {.outside = 3.0, .inside = 5.0});
+  Field band = surface.generateBand(grid, {.outside = 3.0, .inside = 5.0});
   const auto codeAt = [&](double iso) { return codeOf([&] { isosurface(band, {.iso = iso}); }); };
   EXPECT_EQ(codeAt(2.9 * grid.spacing), std::nullopt);
   EXPECT_EQ(codeAt(3.0 * grid.spacing), ErrorCode::Usage);
   EXPECT_EQ(codeAt(-4.9 * grid.spacing), std::nullopt);
   EXPECT_EQ(codeAt(-5.0 * grid.spacing), ErrorCode::Usage);
-  band.distance[*band.find(band.leaves[3])] = NAN;
+  band.distance[*band.narrow->find(band.narrow->leaves[3])] = NAN;
   EXPECT_EQ(codeAt(0.0), ErrorCode::Input);
   band.distance.resizeUninitialized(512);
   EXPECT_EQ(codeAt(0.0), ErrorCode::Usage);
-  const SparseField none = Surface(mesh, {.sign = SignMode::None}).generateBand(grid);
+  const Field none = Surface(mesh, {.sign = SignMode::None}).generateBand(grid);
   EXPECT_EQ(codeOf([&] { isosurface(none); }), ErrorCode::Usage);
 }
 
 // The way through a dense field would take 4 TB.
-TEST(SparseField, HasASurfaceOnAHugeLattice) {
+TEST(NarrowField, HasASurfaceOnAHugeLattice) {
   const Mesh ball = shapes::sphere(1.0, 3);
   const Surface surface(ball);
   const Grid small = fitGrid(ball, {.voxelSize = 0.0625});

@@ -1,4 +1,4 @@
-#include <raymap/sparse_field.h>
+#include <raymap/narrow_band.h>
 
 #include <algorithm>
 #include <atomic>
@@ -34,7 +34,7 @@ std::string textOf(const glm::ivec3& sample) {
 }
 
 void checkCube(const glm::ivec3& low, int side, const glm::ivec3& dims, const char* what) {
-  require(side >= SparseField::kLeafSide && std::has_single_bit(uint32_t(side)),
+  require(side >= NarrowBand::kLeafSide && std::has_single_bit(uint32_t(side)),
           std::string("the side of the ") + what + " at sample " + textOf(low) + " is " +
               std::to_string(side) + "; it must be 8 times a power of two");
   require(low % side == glm::ivec3(0) && glm::all(glm::greaterThanEqual(low, glm::ivec3(0))) &&
@@ -51,7 +51,7 @@ void checkOrder(const Cubes& cubes, const glm::ivec3& dims, const char* what, Lo
   for (const auto& cube : cubes) {
     const glm::ivec3 low = lowOf(cube);
     checkCube(low, sideOf(cube), dims, what);
-    const uint64_t place = placeOnCurve(low), side = uint64_t(sideOf(cube) / SparseField::kLeafSide);
+    const uint64_t place = placeOnCurve(low), side = uint64_t(sideOf(cube) / NarrowBand::kLeafSide);
     require(place >= end, std::string("the ") + what + " at sample " + textOf(low) +
                               " must come before others: they are ordered along a Morton curve, x lowest");
     end = place + side * side * side;
@@ -60,35 +60,44 @@ void checkOrder(const Cubes& cubes, const glm::ivec3& dims, const char* what, Lo
 
 }  // namespace
 
-void validate(const SparseField& band) {
+void validate(const Field& field) {
   constexpr int kMostDims = 1 << 24;
-  validateField(band);
-  const glm::ivec3 dims = band.grid.dims;
+  validateField(field);
+  if (!field.narrow) {
+    if (!field.triangle.empty()) validateArray(field, FieldArray::Triangle);
+    if (!field.winding.empty()) validateArray(field, FieldArray::Winding);
+    if (!field.confidence.empty()) validateArray(field, FieldArray::Confidence);
+    return;
+  }
+  const NarrowBand& band = *field.narrow;
+  const glm::ivec3 dims = field.grid.dims;
   require(std::max({dims.x, dims.y, dims.z}) <= kMostDims,
           "a lattice has at most 16777216 samples along each axis");
   require(band.outside > 0.0 && std::isfinite(band.outside), "the band outside must be positive and finite");
   require(band.inside > 0.0, "the band inside must be positive");
   checkOrder(std::span<const glm::ivec3>(band.leaves), dims, "leaf", std::identity(),
-             [](const glm::ivec3&) { return SparseField::kLeafSide; });
+             [](const glm::ivec3&) { return NarrowBand::kLeafSide; });
   checkOrder(
-      band.tiles, dims, "tile", [](const SparseField::Tile& tile) { return tile.low; },
-      [](const SparseField::Tile& tile) { return tile.side; });
+      band.tiles, dims, "tile", [](const NarrowBand::Tile& tile) { return tile.low; },
+      [](const NarrowBand::Tile& tile) { return tile.side; });
 }
 
-void validateField(const SparseField& band) {
-  validateGrid(band.grid);
-  const size_t count = band.leaves.size() * SparseField::kLeafSamples;
+void validateField(const Field& field) {
+  if (!field.narrow) return validateArray(field, FieldArray::Distance);
+  validateGrid(field.grid);
+  const size_t leaves = field.narrow->leaves.size();
   const auto check = [&](size_t size, const char* values) {
-    require(size == count, "the narrow band holds " + std::to_string(size) + " " + values + " but has " +
-                               std::to_string(band.leaves.size()) + " leaves of 512 samples");
+    require(size == leaves * NarrowBand::kLeafSamples, "the narrow band holds " + std::to_string(size) + " " +
+                                                           values + " but has " + std::to_string(leaves) +
+                                                           " leaves of 512 samples");
   };
-  check(band.distance.size(), "distances");
-  if (!band.triangle.empty()) check(band.triangle.size(), "triangles");
-  if (!band.winding.empty()) check(band.winding.size(), "winding numbers");
-  if (!band.confidence.empty()) check(band.confidence.size(), "confidences");
+  check(field.distance.size(), "distances");
+  if (!field.triangle.empty()) check(field.triangle.size(), "triangles");
+  if (!field.winding.empty()) check(field.winding.size(), "winding numbers");
+  if (!field.confidence.empty()) check(field.confidence.size(), "confidences");
 }
 
-std::optional<size_t> SparseField::find(const glm::ivec3& sample) const {
+std::optional<size_t> NarrowBand::find(const glm::ivec3& sample) const {
   if (glm::any(glm::lessThan(sample, glm::ivec3(0)))) return std::nullopt;
   const std::span<const glm::ivec3> lows = leaves;
   const auto leaf = lastBefore(lows, sample, std::identity());
@@ -98,27 +107,40 @@ std::optional<size_t> SparseField::find(const glm::ivec3& sample) const {
          size_t((within.z * kLeafSide + within.y) * kLeafSide + within.x);
 }
 
-float SparseField::distanceAt(const glm::ivec3& sample) const {
-  if (const std::optional<size_t> place = find(sample)) return distance[*place];
+float Field::distanceAt(const glm::ivec3& sample) const {
+  if (!narrow) return distance[grid.index(sample)];
+  if (const std::optional<size_t> place = narrow->find(sample)) return distance[*place];
+  const auto outside = float(narrow->outside);
   const bool isOnLattice =
       glm::all(glm::greaterThanEqual(sample, glm::ivec3(0))) && glm::all(glm::lessThan(sample, grid.dims));
-  if (!isOnLattice) return float(outside);
-  const auto tile = lastBefore(tiles, sample, [](const Tile& each) { return each.low; });
-  return tile != tiles.end() && contains(tile->low, tile->side, sample) ? -float(inside) : float(outside);
+  if (!isOnLattice) return outside;
+  const auto& tiles = narrow->tiles;
+  const auto tile = lastBefore(tiles, sample, [](const NarrowBand::Tile& each) { return each.low; });
+  return tile != tiles.end() && contains(tile->low, tile->side, sample) ? -float(narrow->inside) : outside;
 }
 
-size_t SparseField::activeCount() const {
+double Field::clamp() const {
+  return narrow ? std::min(narrow->inside, narrow->outside) : clampDistance;
+}
+
+size_t Field::activeCount() const {
+  const double most = clampDistance > 0.0 ? clampDistance : INFINITY;
+  const auto isActive = [&](float value) {
+    return narrow ? narrow->isActive(value) : std::abs(value) < float(most);
+  };
   std::atomic<size_t> count{0};
   parallelFor(distance.size(), kCheapGrain, [&](size_t begin, size_t end) {
-    count += size_t(std::count_if(distance.begin() + begin, distance.begin() + end,
-                                  [&](float value) { return isActive(value); }));
+    count += size_t(std::count_if(distance.begin() + begin, distance.begin() + end, isActive));
   });
   return count;
 }
 
-size_t SparseField::bytes() const {
-  return leaves.capacityBytes() + distance.capacityBytes() + triangle.capacityBytes() +
-         winding.capacityBytes() + confidence.capacityBytes() + tiles.capacity() * sizeof(Tile);
+size_t Field::bytes() const {
+  const size_t arrays = distance.capacityBytes() + triangle.capacityBytes() + winding.capacityBytes() +
+                        confidence.capacityBytes();
+  return narrow
+             ? arrays + narrow->leaves.capacityBytes() + narrow->tiles.capacity() * sizeof(NarrowBand::Tile)
+             : arrays;
 }
 
 }  // namespace raymap
