@@ -9,11 +9,14 @@ mend.
 
 A function that src/layers.txt keeps to some folders is called in these alone.
 
+A module of the Python package imports only the add-ons that src/layers.txt names for it: the package itself none.
+
 A room, which is a folder of src or another folder of code, has at most as many lines as src/layers.txt grants it.
 
 check_layers.py [ROOT]: ROOT is the source tree, by default the one that this script lies in.
 """
 
+import ast
 import re
 
 from source_tree import COMMENT, chosen_root, files, finish, includes, line_at
@@ -43,6 +46,7 @@ class Layers:
         self.headers = {}  # Layer of each public header.
         self.budgets = {}  # Most lines of each room.
         self.callers = {}  # Folders that may call a function.
+        self.addons = {}  # Add-ons of the Python package, and those that each imports.
         self.problems = []
         for number, line in enumerate(path.read_text().splitlines(), 1):
             line = line.partition("#")[0].strip()
@@ -55,6 +59,8 @@ class Layers:
                 self.budgets[name.split()[1]] = int(rest)
             elif name.startswith("calls "):
                 self.callers[name.split()[1]] = rest.split()
+            elif name.startswith("addon "):
+                self.addons[name.split()[1]] = rest.split()
             elif name.startswith("include "):
                 self.headers[name.split()[1]] = rest.strip()
             else:
@@ -172,6 +178,25 @@ def misplaced_calls(root, callers):
                         for found in re.finditer(rf"\b{called}\(", code))
 
 
+def imported(path, package):
+    """The modules that a module of a package imports from it, as (line, parts of its name)."""
+    for node in ast.walk(ast.parse(path.read_text())):
+        if isinstance(node, ast.ImportFrom) and node.level:
+            parts = path.relative_to(package).parts[: -node.level] + tuple(filter(None, (node.module or "").split(".")))
+            yield from ((node.lineno, parts or (name.name,)) for name in node.names)
+
+
+def misplaced_imports(root, addons):
+    """The imports of add-ons by modules that may not import them. The package's front and its commands know all."""
+    package = root / "python/raymap"
+    for path in files(root, ("python/raymap",), {".py"}):
+        own = path.relative_to(package).parts[0].removesuffix(".py")
+        if own not in ("__init__", "__main__"):
+            for line, parts in imported(path, package):
+                if parts[0] in addons and parts[0] not in (own, *addons.get(own, ())):
+                    yield f"{path.relative_to(root)}:{line} imports the add-on {parts[0]}: src/layers.txt does not let it"
+
+
 def check(root):
     """Returns what is wrong, the number of includes that point up or sideways, and the cycles between folders."""
     src, public = root / "src", root / "include/raymap"
@@ -210,7 +235,8 @@ def check(root):
                 wrong += 1
                 problems.append(f"{name}:{number} includes {target}: {layers.says(layer)}")
 
-    problems += [*misplaced(public, src, layers), *over_budget(root, layers.budgets), *misplaced_calls(root, layers.callers)]
+    problems += [*misplaced(public, src, layers), *over_budget(root, layers.budgets), *misplaced_calls(root, layers.callers),
+                 *misplaced_imports(root, layers.addons)]
     for header in sorted(layers.headers):
         if not (public / header).is_file():
             problems.append(f"src/layers.txt: there is no include/raymap/{header}")

@@ -73,6 +73,12 @@ class CheckLayers(PlantedTree):
         self.prepend("src/mesh/weld.cpp", "#include <tbb/parallel_sort.h>\n")
         self.assert_found("src/mesh/weld.cpp:1 includes tbb/parallel_sort.h: only src/base/parallel.cpp and")
 
+    def test_finds_an_import_of_an_add_on(self):
+        self.put("python/raymap/_mesh.py", "from .dataset.files import readable\n")
+        self.put("python/raymap/zarr/store.py", "from .. import torch\nfrom .codecs import zarr_package\n")
+        self.put("python/raymap/dataset/run.py", "from ..recipes import recipe_of\nfrom .work import Job\n")
+        self.assert_found("python/raymap/_mesh.py:1 imports the add-on dataset", "python/raymap/zarr/store.py:1 imports the add-on torch")
+
     def test_finds_a_call_where_it_may_not_stand(self):
         self.put("apps/slabs.cpp", "// regionBytes(size)\nsize_t bytes = surface.regionBytes(size) + slabRegionBytes(size);\n")
         self.put("python/raymap/blocks.py", "# region_bytes(dims)\nneeded = _raymap.region_bytes(dims)\n")

@@ -30,8 +30,7 @@ double solid(const glm::dvec3& p) {
 class VulkanRender : public VulkanTest {
  protected:
   /// Draws a dense field or a narrow band.
-  template <class AnyField>
-  static Picture draw(const AnyField& field, const RenderOptions& options,
+  static Picture draw(const Field& field, const RenderOptions& options,
                       const ProgressCallback& callback = {}) {
     Picture picture{options.width, options.height,
                     std::vector<uint8_t>(3 * size_t(options.width) * size_t(options.height))};
@@ -41,8 +40,7 @@ class VulkanRender : public VulkanTest {
     return picture;
   }
 
-  template <class AnyField>
-  static void expectAsOnTheCpu(const AnyField& field, RenderOptions options = {}) {
+  static void expectAsOnTheCpu(const Field& field, RenderOptions options = {}) {
     options.width = 160;
     options.height = 120;
     const Picture ours = draw(field, options);
