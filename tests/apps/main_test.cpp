@@ -24,6 +24,24 @@ TEST_F(CliMain, PrintsHelpAndVersion) {
     EXPECT_NE(render.find(option), std::string::npos) << option;
 }
 
+// OpenVDB takes longer to load than all else.
+TEST_F(CliMain, LoadsOpenVdbForItsFilesAlone) {
+  const Result loaded = run("--version", "LD_TRACE_LOADED_OBJECTS=1");
+  EXPECT_NE(loaded.out.find("libtbb"), std::string::npos) << loaded.out;
+  EXPECT_EQ(loaded.out.find("openvdb"), std::string::npos) << loaded.out;
+}
+
+TEST_F(CliMain, SaysThatALibraryIsMissing) {
+  if (!hasFieldFormat(".vdb")) GTEST_SKIP() << "without OpenVDB";
+  writeTorus();
+  const Result result = shell("cp $R alone && ./alone generate torus.ply -o torus.vdb --resolution 20");
+  if (result.code == 0) GTEST_SKIP() << "raymap-vdb.so is installed where every program finds it";
+  EXPECT_EQ(result.code, exitCode(ErrorCode::Unsupported)) << result.err;
+  EXPECT_NE(result.err.find("the library raymap-vdb.so that does is missing"), std::string::npos)
+      << result.err;
+  EXPECT_FALSE(fs::exists(path("torus.vdb")));
+}
+
 TEST_F(CliMain, ShowsOptionsAsTheyAreWritten) {
   for (const char* command : {"generate", "info", "check", "query", "mesh", "render", "view", "repair",
                               "compare", "convert", "example", "devices"}) {
