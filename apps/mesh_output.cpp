@@ -89,19 +89,20 @@ StoredMesh storeMesh(const std::filesystem::path& path, Mesh mesh, const StoreOp
 }
 
 void checkStored(const StoredMesh& mesh) {
-  if (!isRounded(mesh)) return;
-  const Diagnostics found = diagnose(mesh.stored, {.brief = true});
-  if (isSound(found) && found.weldedVertices == found.vertices) return;
-  const Diagnostics exact = diagnose(mesh.exact, {.brief = true});
-  if (holds(found, exact)) return;
-  fail(mesh, exact, findSelfIntersections(mesh.exact).pairs,
-       grouped(exact.weldedVertices - found.weldedVertices) + " of " +
-           counted(exact.weldedVertices, "position") + " coincide with others and " +
-           counted(found.degenerateFaces, "face") + " of " + grouped(found.triangles) + " have no area");
+  if (isRounded(mesh)) checkStored(mesh, diagnose(mesh.stored, {.brief = true}), 0);
 }
 
-void checkCrossing(const StoredMesh& mesh, size_t crossing) {
-  if (crossing == 0 || !isRounded(mesh)) return;
+void checkStored(const StoredMesh& mesh, const Diagnostics& found, size_t crossing) {
+  if (!isRounded(mesh)) return;
+  if (!isSound(found) || found.weldedVertices != found.vertices) {
+    const Diagnostics exact = diagnose(mesh.exact, {.brief = true});
+    if (!holds(found, exact))
+      fail(mesh, exact, findSelfIntersections(mesh.exact).pairs,
+           grouped(exact.weldedVertices - found.weldedVertices) + " of " +
+               counted(exact.weldedVertices, "position") + " coincide with others and " +
+               counted(found.degenerateFaces, "face") + " of " + grouped(found.triangles) + " have no area");
+  }
+  if (crossing == 0) return;
   const size_t before = findSelfIntersections(mesh.exact).pairs;
   if (crossing > before)
     fail(mesh, diagnose(mesh.exact, {.brief = true}), before,

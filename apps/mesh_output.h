@@ -33,9 +33,9 @@ StoredMesh storeMesh(const std::filesystem::path& path, Mesh mesh, const StoreOp
 /// Diagnoses the stored mesh if it differs from the exact one. Throws `Error(Unsupported)` if rounding broke
 /// it. The message names formats that hold it.
 void checkStored(const StoredMesh& mesh);
-
-/// Throws as above if rounding made faces cross. `crossing` is the number of pairs in the stored mesh.
-void checkCrossing(const StoredMesh& mesh, size_t crossing);
+/// Does the same where the stored mesh is diagnosed already, and has as many pairs of faces that cross.
+/// Throws if rounding made faces cross, too.
+void checkStored(const StoredMesh& mesh, const Diagnostics& found, size_t crossing);
 
 /// Throws `Error(Usage)` if a tolerance keeps all triangles while their number is limited; 0 = no limit.
 void checkSimplification(const std::optional<double>& tolerance, size_t triangles);

@@ -58,7 +58,6 @@ RepairReport makeSolid(const Mesh& mesh, const RepairGrid& grid, const RepairArg
                        {.recenter = arguments.units.recenter,
                         .unit = writtenUnit(arguments.units, named(arguments.mesh, arguments.format.input)),
                         .format = arguments.format.output});
-    checkStored(stored);
     result = std::move(stored.stored);
   };
   MachineOptions machine = withProgress(arguments.machine, line);
@@ -108,7 +107,7 @@ void run(RepairArguments& arguments) {
     report = makeSolid(mesh, grid, arguments, line, stored);
   }
   steps.insert(steps.end(), report.stats.stages.begin(), report.stats.stages.end());
-  checkCrossing(stored, report.crossingAfter.pairs);
+  checkStored(stored, report.after, report.crossingAfter.pairs);
   if (!isSound(report.after))
     printWarning(
         "the result is not watertight, or its faces do not point outwards; this is a bug, please report it");

@@ -1,11 +1,10 @@
 // How the closed parts of a mesh lie to each other: the one test of it that verdicts and repairs use.
 
-#include <raymap/diagnostics.h>
-
 #include <algorithm>
 
 #include "base/parallel.h"
 #include "base/progress.h"
+#include "mesh/diagnostics.h"
 #include "mesh/half_edges.h"
 #include "mesh/pieces.h"
 #include "mesh/self_intersections.h"
@@ -58,11 +57,9 @@ Arrangement arrange(const Model& mesh, bool doFacesMeet, Progress& progress) {
 
 }  // namespace
 
-Arrangement arrangeParts(const MeshView& view, const Diagnostics& diagnostics,
+Arrangement arrangeParts(const Model& mesh, const Diagnostics& diagnostics,
                          const SelfIntersections& crossings, const MachineOptions& machine) {
-  validate(view);
   if (!diagnostics.watertight || !diagnostics.consistentlyOriented) return Arrangement::Unknown;
-  const Model mesh(view);
   Progress progress(machine.progress);
   Arrangement arrangement = Arrangement::Unknown;
   progress.stage("parts", [&] {
@@ -71,6 +68,12 @@ Arrangement arrangeParts(const MeshView& view, const Diagnostics& diagnostics,
     });
   });
   return arrangement;
+}
+
+Arrangement arrangeParts(const MeshView& view, const Diagnostics& diagnostics,
+                         const SelfIntersections& crossings, const MachineOptions& machine) {
+  validate(view);
+  return arrangeParts(Model(view), diagnostics, crossings, machine);
 }
 
 }  // namespace raymap

@@ -1,6 +1,6 @@
 #include "mesh/compact.h"
 
-#include "mesh/weld.h"
+#include "mesh/model.h"
 
 namespace raymap {
 
@@ -24,9 +24,9 @@ void removeUnusedVertices(Mesh& mesh) {
   for (glm::uvec3& t : mesh.triangles) t = {numbers[t.x], numbers[t.y], numbers[t.z]};
 }
 
-Mesh weldedCopy(const PackedMesh& mesh) {
+Mesh weldedCopy(const Model& mesh) {
   std::vector<uint32_t> firsts;
-  return weldedCopy(mesh, weldVertices(mesh.vertices), firsts);
+  return weldedCopy(mesh, mesh.welding(), firsts);
 }
 
 Mesh weldedCopy(const PackedMesh& mesh, const Welding& welding, std::vector<uint32_t>& firsts) {

@@ -1,4 +1,4 @@
-#include <raymap/diagnostics.h>
+#include "mesh/diagnostics.h"
 
 #include <algorithm>
 #include <array>
@@ -135,7 +135,7 @@ void findComponents(const Model& mesh, std::span<const TracedHole> holes,
     measureComponents(mesh, components, holes, found);
 }
 
-Diagnostics diagnose(const Model& mesh, bool isBrief, Progress& progress) {
+Diagnostics diagnoseNow(const Model& mesh, bool isBrief, Progress& progress) {
   Diagnostics found;
   found.weldedVertices = mesh.welding().count;
   progress.report(0.3);
@@ -170,15 +170,18 @@ Diagnostics diagnose(const Model& mesh, bool isBrief, Progress& progress) {
 
 }  // namespace
 
-Diagnostics diagnose(const MeshView& view, const DiagnoseOptions& options, const MachineOptions& machine) {
-  validate(view);
-  const Model mesh(view);
+Diagnostics diagnose(const Model& mesh, const DiagnoseOptions& options, const MachineOptions& machine) {
   Progress progress(machine.progress);
   Diagnostics found;
   progress.stage("diagnose", [&] {
-    withThreads(machine.threads, [&] { found = diagnose(mesh, options.brief, progress); });
+    withThreads(machine.threads, [&] { found = diagnoseNow(mesh, options.brief, progress); });
   });
   return found;
+}
+
+Diagnostics diagnose(const MeshView& view, const DiagnoseOptions& options, const MachineOptions& machine) {
+  validate(view);
+  return diagnose(Model(view), options, machine);
 }
 
 }  // namespace raymap

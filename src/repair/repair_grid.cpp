@@ -1,5 +1,3 @@
-#include "repair/repair_grid.h"
-
 #include <raymap/repair.h>
 #include <raymap/thickness.h>
 #include <raymap/words.h>
@@ -11,6 +9,7 @@
 #include "base/require.h"
 #include "base/text.h"
 #include "measure/thinnest.h"
+#include "repair/stages.h"
 
 namespace raymap {
 

@@ -9,6 +9,7 @@
 #include "mesh/compact.h"
 #include "mesh/half_edges.h"
 #include "mesh/loops.h"
+#include "mesh/model.h"
 #include "mesh/part_volumes.h"
 #include "mesh/patches.h"
 #include "mesh/position_bits.h"
@@ -186,7 +187,7 @@ TEST(Compact, WeldsVerticesAtOnePosition) {
   mesh.vertices = {{5, 0, 0}, {1, 0, 0}, {5, 0, -0.0f}, {7, 0, 0}, {2, 0, 0}, {1, 0, 0}};
   mesh.triangles = {{0, 1, 4}, {2, 4, 5}};
   mesh.origin = {1, 2, 3};
-  const Mesh welded = weldedCopy(mesh);
+  const Mesh welded = weldedCopy(Model(mesh));
   EXPECT_EQ(welded.vertices, (std::vector<vec3>{{5, 0, 0}, {1, 0, 0}, {7, 0, 0}, {2, 0, 0}}));
   EXPECT_EQ(welded.triangles, (std::vector<uvec3>{{0, 1, 3}, {0, 3, 1}}));
   EXPECT_EQ(welded.origin, mesh.origin);

@@ -8,6 +8,7 @@
 #include "broken_meshes.h"
 #include "closed_mesh.h"
 #include "mesh/compact.h"
+#include "mesh/model.h"
 #include "shapes.h"
 
 namespace raymap {
@@ -26,7 +27,7 @@ Mesh without(const Mesh& mesh, double z) {
 
 /// Fills the holes of a mesh, and expects a closed one of this volume.
 void expectFills(Mesh mesh, size_t holes, double volume) {
-  mesh = weldedCopy(mesh);
+  mesh = weldedCopy(Model(mesh));
   const size_t before = mesh.triangles.size();
   const FilledHoles filled = fillFlatHoles(mesh);
   EXPECT_EQ(filled.holes, holes);
@@ -36,7 +37,7 @@ void expectFills(Mesh mesh, size_t holes, double volume) {
 }
 
 void expectLeaves(Mesh mesh) {
-  mesh = weldedCopy(mesh);
+  mesh = weldedCopy(Model(mesh));
   const size_t before = mesh.triangles.size();
   EXPECT_EQ(fillFlatHoles(mesh).holes, 0u);
   EXPECT_EQ(mesh.triangles.size(), before);

@@ -1,4 +1,4 @@
-#include "repair/topology/keep.h"
+#include "repair/topology/mend.h"
 
 #include <gtest/gtest.h>
 #include <raymap/error.h>

@@ -6,7 +6,7 @@
 #include <numbers>
 #include <string>
 
-#include "repair/solid/loss.h"
+#include "repair/stages.h"
 #include "shapes.h"
 
 namespace raymap {
@@ -218,6 +218,14 @@ TEST(Loss, TellsOfHollowsThatWereNotMade) {
   EXPECT_EQ(few.report.warnings[0].fields.count, 50u - few.report.drainHoles);
 }
 
+Loss lossOf(RepairRun& run, const std::vector<FacePoint>& lost, double share) {
+  run.lost = lost;
+  run.lostShare = run.report.lostShare = share;
+  run.report.loss = {};
+  inspectLoss(run);
+  return run.report.loss;
+}
+
 TEST(Loss, IsOfThePartsThinnerThanFourSamples) {
   const Mesh box = shapes::box({0, 0, 0}, {16, 16, 4});
   for (const double spacing : {0.25, 0.5, 0.99, 1.01, 2.0}) {
@@ -225,15 +233,14 @@ TEST(Loss, IsOfThePartsThinnerThanFourSamples) {
     const FieldOptions options;
     const RepairOptions changes;
     const MachineOptions machine{.device = "cpu"};
-    Given given(box, grid, options, changes, machine);
-    Progress progress;
+    RepairRun run(box, grid, options, changes, machine);
     uint32_t face = 0;
     while (box.position(box.triangles[face].x).z + box.position(box.triangles[face].y).z +
                box.position(box.triangles[face].z).z <
            11.9)
       ++face;
     const std::vector<FacePoint> lost{{.position = {8, 8, 4}, .triangle = face, .area = 1.0}};
-    const Loss loss = inspectLoss(given, lost, 0.5, progress);
+    const Loss loss = lossOf(run, lost, 0.5);
     EXPECT_EQ(loss.solidShare, spacing > 1.0 ? 0.5 : 0.0) << spacing;
     EXPECT_EQ(loss.openShare, spacing > 1.0 ? 0.0 : 0.5) << spacing;
   }
@@ -246,12 +253,11 @@ TEST(Loss, OfSheetsAloneLeavesNoTraceOfASolid) {
   const FieldOptions options;
   const RepairOptions changes;
   const MachineOptions machine{.device = "cpu"};
-  Given given(sheet, grid, options, changes, machine);
-  Progress progress;
+  RepairRun run(sheet, grid, options, changes, machine);
   std::vector<FacePoint> lost;
   for (int k = 1; k <= 20; ++k) {
     lost.push_back({.position = {0.3 * k, 1, 0}, .triangle = 0, .area = 0.1 / k});
-    const Loss loss = inspectLoss(given, lost, 0.07 * k, progress);
+    const Loss loss = lossOf(run, lost, 0.07 * k);
     EXPECT_EQ(loss.solidShare, 0.0) << k;
     EXPECT_EQ(loss.openShare, 0.07 * k) << k;
   }

@@ -197,7 +197,7 @@ TEST(DropPieces, LeavesTheFacesAndVerticesOfTheOthers) {
   for (uint32_t v = 0; v < 16; ++v) EXPECT_EQ(mesh.position(v), all.position(v));
   for (size_t f = 0; f < 24; ++f) EXPECT_EQ(mesh.triangles[f], all.triangles[f]);
   report = {};
-  countPieces(mesh, report);
+  countPieces(Model(mesh), report);
   EXPECT_EQ(report.solids, 1u);
   EXPECT_EQ(report.cavities, 1u);
 }

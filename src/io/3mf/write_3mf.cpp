@@ -176,11 +176,11 @@ Welding weldingOf(const std::vector<glm::dvec3>& positions) {
 
 /// Writes a mesh with one vertex for each position that vertices share.
 void writeWelded(std::ostream& out, const WritableMesh& mesh, const About3mf& about) {
-  if (mesh.exact.empty()) return writeParts(out, {weldedCopy(mesh)}, about);
+  const bool isExact = !mesh.exact.empty();
   std::vector<uint32_t> firsts;
-  const Mesh welded = weldedCopy(mesh, weldingOf(mesh.exact), firsts);
+  const Mesh welded = weldedCopy(mesh, isExact ? weldingOf(mesh.exact) : weldVertices(mesh.vertices), firsts);
   WritableMesh written{welded};
-  for (const uint32_t vertex : firsts) written.exact.push_back(mesh.exact[vertex]);
+  for (size_t k = 0; isExact && k < firsts.size(); ++k) written.exact.push_back(mesh.exact[firsts[k]]);
   writeParts(out, written, about);
 }
 

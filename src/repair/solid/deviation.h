@@ -36,6 +36,13 @@ struct SurfacePoints {
   }
 };
 
+/// Points of a mesh, moved by the offset, that the result should show.
+struct ExpectedPoints {
+  SurfacePoints points;
+  std::vector<double> areas;   ///< For each face of the mesh, the area that one of its points stands for.
+  std::vector<bool> isInside;  ///< For each point, whether the field has it inside the solid.
+};
+
 /// Returns points of a mesh: its vertices, and points in rows on its triangles that are at most `step`
 /// samples apart. Each point of a triangle stands for about as much area. The points are sparser if there
 /// would be too many.

@@ -1,17 +1,61 @@
 #include "repair/solid/hollow.h"
 
+#include <raymap/isosurface.h>
+
 #include <algorithm>
 #include <cmath>
+#include <string>
 #include <utility>
 
 #include "base/parallel.h"
 #include "field/field_sampler.h"
+#include "mesh/pieces.h"
+#include "repair/stages.h"
 
 namespace raymap {
 
 namespace {
 
 constexpr double kLevel = 0.8;  // Cosine of the steepest slope of a floor.
+
+/// Returns the number of solids that lie in cavities.
+size_t countLoose(const Mesh& mesh) {
+  Pieces found = findPieces(Model(mesh));
+  nestPieces(mesh, 1, found);
+  return size_t(std::ranges::count_if(
+      found.pieces, [](const Piece& piece) { return !piece.isCavity() && piece.around != Piece::kNone; }));
+}
+
+/// Warns of bodies that lie loose in the hollows of a result, and did not before it was hollowed out.
+void warnOfLooseBodies(const Mesh& before, const Mesh& result, const WarningCallback& warn) {
+  const size_t loose = countLoose(result), known = countLoose(before);
+  if (loose <= known) return;
+  const size_t count = loose - known;
+  warn(
+      {WarningCode::LooseBodies,
+       std::to_string(count) + (count == 1 ? " body lies" : " bodies lie") +
+           " loose in the hollow: the walls around sealed cavities that were kept; fill the cavities instead",
+       {.count = count}});
+}
+
+/// Warns of hollows and drain holes that were asked for but not made.
+void warnOfHoles(const RepairReport& report, const RepairOptions& repair, const WarningCallback& warn) {
+  if (const size_t filled = report.filledHollows; filled > 0)
+    warn({WarningCode::HollowsFilled,
+          std::to_string(filled) + (filled == 1 ? " hollow is" : " hollows are") +
+              " too small for the drain hole and stayed solid; use a smaller drain hole",
+          {.count = filled}});
+  else if (report.hollows == 0)
+    warn({WarningCode::NoHollow,
+          "the solid is nowhere thick enough for a hollow inside its walls, so it has none; use thinner "
+          "walls"});
+  if (repair.drainHole == 0.0) return;
+  if (const size_t asked = report.hollows * size_t(repair.drainHoles); report.drainHoles < asked)
+    warn({WarningCode::DrainHolesMissing,
+          "only " + std::to_string(report.drainHoles) + " of " + std::to_string(asked) +
+              " drain holes were made, because the level floors of the hollows have no place for more",
+          {.count = asked - report.drainHoles}});
+}
 
 glm::ivec3 placeOf(const Grid& grid, size_t sample) {
   const size_t x = size_t(grid.dims.x), y = size_t(grid.dims.y);
@@ -188,6 +232,28 @@ void drill(Field& solid, const DrainHole& hole) {
         float& d = solid.distance[grid.index({i, j, k})];
         d = std::max(d, static_cast<float>(-hole.distance(grid.position({i, j, k}))));
       }
+}
+
+void makeHollow(RepairRun& run) {
+  const RepairOptions& options = run.options;
+  RepairReport& report = run.report;
+  const double radius = 0.5 * options.drainHole;
+  for (const Hollow& found :
+       findHollows(run.solid, options.shell, radius, options.down, report.filledHollows)) {
+    ++report.hollows;
+    if (radius == 0.0) continue;
+    for (const DrainHole& hole : placeHoles(run.solid, found, options.drainHoles, radius, options.down)) {
+      run.holes.push_back(hole);
+      report.drainHolePlaces.push_back(exitOf(run.solid, hole));
+    }
+  }
+  hollowOut(run.solid, options.shell);
+  for (const DrainHole& hole : run.holes) drill(run.solid, hole);
+  report.drainHoles = run.holes.size();
+  warnOfHoles(report, options, run.machine.warn);
+  Mesh hollowed = isosurface(run.solid, {}, run.machine);
+  if (options.keepCavities) warnOfLooseBodies(run.result, hollowed, run.machine.warn);
+  run.result = std::move(hollowed);
 }
 
 }  // namespace raymap

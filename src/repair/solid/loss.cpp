@@ -1,11 +1,10 @@
-#include "repair/solid/loss.h"
-
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
 #include "base/text.h"
 #include "cpu/points/local_thickness.h"
+#include "repair/stages.h"
 
 namespace raymap {
 
@@ -165,23 +164,22 @@ void addSides(const LostSides& lost, Loss& loss) {
   if (!std::isfinite(loss.thinnest)) loss.thinnest = 0.0;
 }
 
-}  // namespace
-
 /// Returns whether the wall at a point may be thinner than the grid resolves. Where all walls are thicker,
 /// the rims of holes are lost, and no part of the solid.
-static bool isThin(const Thickness& thickness, double spacing) {
+bool isThin(const Thickness& thickness, double spacing) {
   constexpr double kThick = 4.0;  // In samples.
   return thickness.part == Part::Edge ||
          (thickness.part == Part::Wall && thickness.diameter < kThick * spacing);
 }
 
-Loss inspectLoss(Given& given, std::span<const FacePoint> lost, double share, Progress& progress) {
-  Loss loss;
-  if (lost.empty()) return loss;
-  const double spacing = given.grid.spacing;
-  const cpu::PreparedSurface& surface = given.surface();
+/// Finds out what the lost points are, and which distance between samples keeps them.
+void findLoss(RepairRun& run, Loss& loss) {
+  const std::vector<FacePoint>& lost = run.lost;
+  if (lost.empty()) return;
+  const double spacing = run.grid.spacing;
+  const cpu::PreparedSurface& surface = run.surface();
   std::vector<Thickness> thickness(lost.size());
-  cpu::measureThickness(surface, lost, INFINITY, progress, thickness);
+  cpu::measureThickness(surface, lost, INFINITY, run.progress, thickness);
   const bool isAnyThin =
       std::ranges::any_of(thickness, [&](const Thickness& t) { return isThin(t, spacing); });
   LostSides sides;
@@ -189,7 +187,7 @@ Loss inspectLoss(Given& given, std::span<const FacePoint> lost, double share, Pr
   double solidArea = 0.0, openArea = 0.0;
   for (size_t i = 0; i < lost.size(); ++i) {
     if (isAnyThin && thickness[i].part != Part::Sheet && thickness[i].part != Part::Buried) {
-      sides.add(lost[i], thickness[i], given.repair.offset);
+      sides.add(lost[i], thickness[i], run.options.offset);
       solidArea += lost[i].area;
     } else {
       open.push_back(lost[i].position);
@@ -198,22 +196,19 @@ Loss inspectLoss(Given& given, std::span<const FacePoint> lost, double share, Pr
   }
   if (const double area = solidArea + openArea;
       area > 0.0) {  // Either is 0, and not nearly 0, if it has no area.
-    loss.solidShare = share * (solidArea / area);
-    loss.openShare = share * (openArea / area);
+    loss.solidShare = run.lostShare * (solidArea / area);
+    loss.openShare = run.lostShare * (openArea / area);
   }
   if (!open.empty()) loss.openBounds = boundsOf(open);
-  if (sides.points.empty()) return loss;
+  if (sides.points.empty()) return;
   addSides(sides, loss);
-  Trials trials(surface, sides, given.repair, progress);
+  Trials trials(surface, sides, run.options, run.progress);
   const Trial best = findVoxelSize(trials, spacing);
   loss.voxelSize = best.voxelSize;
   loss.keptShare = best.keptShare;
   loss.keptThickness = best.keptThickness;
   loss.kept = isKept(best);
-  return loss;
 }
-
-namespace {
 
 std::string percentText(double share) {
   return numberText(100.0 * share, 3) + " %";
@@ -259,6 +254,13 @@ void warnOfLoss(const Loss& loss, const RepairOptions& repair, const WarningCall
   warn({isSolid ? WarningCode::SolidLost : WarningCode::SurfaceLost,
         message,
         {.share = share, .voxelSize = isSolid ? loss.voxelSize : 0.0}});
+}
+
+void inspectLoss(RepairRun& run) {
+  Loss& loss = run.report.loss;
+  loss.droppedShare = run.report.lostShare - run.lostShare;
+  findLoss(run, loss);
+  warnOfLoss(loss, run.options, run.machine.warn);
 }
 
 }  // namespace raymap

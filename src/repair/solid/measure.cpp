@@ -1,4 +1,4 @@
-#include "repair/solid/measure.h"
+#include <raymap/local_thickness.h>
 
 #include <algorithm>
 #include <cmath>
@@ -6,6 +6,8 @@
 
 #include "field/field_sampler.h"
 #include "mesh/triangle.h"
+#include "repair/solid/deviation.h"
+#include "repair/stages.h"
 
 namespace raymap {
 
@@ -26,15 +28,15 @@ bool isDrilled(const glm::vec3& p, const Grid& grid, const std::vector<DrainHole
 }
 
 /// From the mesh's surface moved by the offset or of the hollow.
-Deviation measureResult(const PackedMesh& result, const PackedMesh& mesh, const Grid& grid,
-                        const RepairOptions& repair, const std::vector<DrainHole>& holes,
-                        Progress& progress) {
-  SurfacePoints points = surfacePoints(result, grid, kPointStep);
-  const std::vector<double> areas = areasOfPoints(result, points);
-  points.eraseIf([&](size_t i) { return isDrilled(points.positions[i], grid, holes); });
-  const std::vector<float> distances = distancesTo(mesh, grid, points.positions, progress);
-  const double outer = std::abs(repair.offset) / grid.spacing;
-  const double inner = std::abs(repair.offset - repair.shell) / grid.spacing;
+Deviation measureResult(RepairRun& run) {
+  const Grid& grid = run.grid;
+  const RepairOptions& options = run.options;
+  SurfacePoints points = surfacePoints(run.result, grid, kPointStep);
+  const std::vector<double> areas = areasOfPoints(run.result, points);
+  points.eraseIf([&](size_t i) { return isDrilled(points.positions[i], grid, run.holes); });
+  const std::vector<float> distances = distancesTo(run.mesh(), grid, points.positions, run.progress);
+  const double outer = std::abs(options.offset) / grid.spacing;
+  const double inner = std::abs(options.offset - options.shell) / grid.spacing;
   std::vector<AreaDistance> found;
   for (size_t i = 0; i < distances.size(); ++i) {
     const double d = distances[i];
@@ -85,9 +87,12 @@ double farOf(const SimplifyReport& simplified, const Grid& grid) {
 }
 
 /// Tells the buried points from the lost ones, and measures all but the buried ones. Returns the lost ones.
-std::vector<size_t> measureMesh(const ExpectedPoints& expected, const PackedMesh& result, const Grid& grid,
-                                Progress& progress, RepairReport& report) {
-  const std::vector<float> deviations = distancesTo(result, grid, expected.points.positions, progress);
+std::vector<size_t> measureMesh(RepairRun& run) {
+  const ExpectedPoints& expected = run.expected;
+  const Grid& grid = run.grid;
+  RepairReport& report = run.report;
+  const std::vector<float> deviations =
+      distancesTo(run.result, grid, expected.points.positions, run.progress);
   const double far = farOf(report.simplified, grid);
   std::vector<AreaDistance> visible, kept;
   std::vector<size_t> lost;
@@ -130,41 +135,32 @@ void eraseDrilled(ExpectedPoints& expected, const Grid& grid, const std::vector<
 
 }  // namespace
 
-void inspect(const PackedMesh& mesh, Diagnostics& found, SelfIntersections& crossing,
-             Arrangement& arrangement) {
-  found = diagnose(mesh);
-  crossing = findSelfIntersections(mesh);
-  arrangement = arrangeParts(mesh, found, crossing);
-}
-
-ExpectedPoints expectedPoints(const PackedMesh& mesh, const Field& solid, const RepairOptions& repair,
-                              RepairReport& report) {
-  ExpectedPoints expected{surfacePoints(mesh, solid.grid, kPointStep), {}, {}};
-  SurfacePoints& points = expected.points;
+void placeExpectedPoints(RepairRun& run) {
+  const PackedMesh mesh = run.mesh();
+  ExpectedPoints& expected = run.expected;
+  SurfacePoints& points = expected.points = surfacePoints(mesh, run.grid, kPointStep);
   expected.areas = areasOfPoints(mesh, points);
   const double area = areaOf(expected.areas, points);
-  const FieldSampler sampler(solid);
-  const double offset = repair.offset / solid.grid.spacing;
+  const FieldSampler sampler(run.solid);
+  const double offset = run.options.offset / run.grid.spacing;
   if (offset != 0.0)
     points.eraseIf([&](size_t i) {
       return !moveToPlace(sampler, offset * normalOf(mesh, points.faces[i]), points.positions[i]);
     });
-  if (offset != 0.0 && area > 0.0) report.trimmedShare = 1.0 - areaOf(expected.areas, points) / area;
+  if (offset != 0.0 && area > 0.0) run.report.trimmedShare = 1.0 - areaOf(expected.areas, points) / area;
   expected.isInside.reserve(points.positions.size());
   for (const glm::vec3& p : points.positions) expected.isInside.push_back(sampler.value(p) < 0.0);
-  return expected;
 }
 
-std::vector<FacePoint> measure(const PackedMesh& mesh, const PackedMesh& result, const Grid& grid,
-                               const RepairOptions& repair, const std::vector<DrainHole>& holes,
-                               ExpectedPoints expected, Progress& progress, RepairReport& report) {
-  inspect(result, report.after, report.crossingAfter, report.arrangementAfter);
-  progress.part(0.2, 0.6);
-  eraseDrilled(expected, grid, holes);
-  const std::vector<size_t> lost = measureMesh(expected, result, grid, progress, report);
-  progress.part(0.6, 1.0);
-  report.resultFromMesh = measureResult(result, mesh, grid, repair, holes, progress);
-  return onFaces(expected, lost, mesh, grid);
+void measure(RepairRun& run) {
+  run.progress.part(0.2, 0.6);
+  eraseDrilled(run.expected, run.grid, run.holes);
+  const std::vector<size_t> lost = measureMesh(run);
+  run.progress.part(0.6, 1.0);
+  run.report.resultFromMesh = measureResult(run);
+  run.lost = onFaces(run.expected, lost, run.mesh(), run.grid);
+  run.lostShare = run.report.lostShare;
+  run.expected = {};
 }
 
 }  // namespace raymap

@@ -6,18 +6,18 @@
 // Only points where no ball of diameter T fits into the field can be thin. Most points of a body are not, and
 // are not measured.
 
-#include "repair/solid/thin_parts.h"
-
 #include <raymap/thickness.h>
 
 #include <algorithm>
 #include <utility>
 
 #include "base/parallel.h"
+#include "base/text.h"
 #include "cpu/points/local_thickness.h"
 #include "field/field_sampler.h"
 #include "mesh/face_points.h"
 #include "mesh/triangle.h"
+#include "repair/stages.h"
 
 namespace raymap {
 
@@ -30,6 +30,16 @@ constexpr double kSlack = 0.05;  // What interpolation may lack of the depth of 
 constexpr double kSeen = 1.5;
 // Largest value of the field at a point of a sheet that the isosurface passes, in samples.
 constexpr double kPassed = 0.15;
+constexpr double kNotableGrowth = 1e-3;  // A smaller share of the mesh's area needs no warning.
+constexpr double kMostAdvised = 4.0 * double(kMostRepairSamples);  // Of a grid that a warning recommends.
+
+/// Walls that became thicker. Shares are of the mesh's area.
+struct Thickened {
+  double share = 0.0;       ///< Share on plates.
+  double grownShare = 0.0;  ///< Share on walls that became more than twice as thick.
+  double thinnest = 0.0;    ///< Thickness that a hundredth of these walls does not exceed.
+  double median = 0.0;      ///< Thickness that half of them does not exceed.
+};
 
 /// Finds the thin parts of a mesh, and the surface in their middle.
 class ThinParts {
@@ -196,15 +206,34 @@ class ThinParts {
 };
 
 /// Unites a solid with all points that are less than half of `thickness` from a surface.
-void uniteWithPlates(const Mesh& middle, double thickness, Given& given, Field& solid) {
+void uniteWithPlates(const Mesh& middle, double thickness, RepairRun& run) {
+  Field& solid = run.solid;
   if (middle.triangles.empty()) return;
-  const Field plates =
-      given.generateOther(middle, {.sign = SignMode::None, .band = kBand, .thickness = thickness});
+  const Field plates = run.fieldOf(middle, {.sign = SignMode::None, .band = kBand, .thickness = thickness});
   const auto far = static_cast<float>(kBand * solid.grid.spacing);
   parallelFor(solid.distance.size(), kCheapGrain, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i)
       if (plates.distance[i] < far) solid.distance[i] = std::min(solid.distance[i], plates.distance[i]);
   });
+}
+
+/// Warns of walls that became more than twice as thick, unless a least thickness was asked for.
+void warnOfThickened(const Thickened& thickened, const RepairRun& run) {
+  if (run.options.minThickness || thickened.grownShare < kNotableGrowth) return;
+  const double voxelSize = roundDown(0.5 * thickened.thinnest);
+  const glm::dvec3 samples = samplesFor(bounds(run.mesh()), voxelSize);
+  const double count = samples.x * samples.y * samples.z;
+  const bool isPossible = count <= kMostAdvised;
+  run.machine.warn(
+      {WarningCode::PartsThickened,
+       numberText(100.0 * thickened.grownShare, 3) + " % of the mesh's surface is on walls about " +
+           numberText(thickened.median, 3) + " thick, which are " + numberText(run.report.leastThickness, 3) +
+           " thick now; a voxel size of " + numberText(voxelSize, 3) + " keeps them, with " +
+           numberText(count, 2) + " samples" +
+           (isPossible ? "" : ", which is too many: repair parts of the mesh apart from each other"),
+       {.share = thickened.grownShare,
+        .length = run.report.leastThickness,
+        .voxelSize = isPossible ? voxelSize : 0.0}});
 }
 
 }  // namespace
@@ -213,14 +242,15 @@ double leastThickness(const RepairOptions& repair, const Grid& grid) {
   return repair.minThickness.value_or(kThinnestWall * grid.spacing);
 }
 
-Thickened thickenThinParts(Given& given, Field& solid, Progress& progress) {
-  ThinParts parts(solid, given.repair);
-  if (parts.limit() <= 0.0) return {};
-  parts.measure(given.surface(), progress);
-  const double thickness = leastThickness(given.repair, given.grid);
-  uniteWithPlates(parts.middleOfThin(given.mesh), thickness, given, solid);
-  uniteWithPlates(parts.missed(given.mesh), thickness, given, solid);
-  return parts.thickened();
+void thickenThinParts(RepairRun& run) {
+  ThinParts parts(run.solid, run.options);
+  if (parts.limit() <= 0.0) return;
+  parts.measure(run.surface(), run.progress);
+  uniteWithPlates(parts.middleOfThin(run.mesh()), run.report.leastThickness, run);
+  uniteWithPlates(parts.missed(run.mesh()), run.report.leastThickness, run);
+  const Thickened thickened = parts.thickened();
+  run.report.thickenedShare = thickened.share;
+  warnOfThickened(thickened, run);
 }
 
 }  // namespace raymap

@@ -177,9 +177,8 @@ void warnOfKept(const RepairReport& report, const WarningCallback& warn) {
           {.count = report.dropped.count, .volume = report.dropped.largest}});
 }
 
-void countPieces(const Mesh& result, RepairReport& report) {
-  for (const Piece& piece : findPieces(Model(result)).pieces)
-    ++(piece.isCavity() ? report.cavities : report.solids);
+void countPieces(const Model& result, RepairReport& report) {
+  for (const Piece& piece : findPieces(result).pieces) ++(piece.isCavity() ? report.cavities : report.solids);
 }
 
 }  // namespace raymap

@@ -37,6 +37,6 @@ void warnOfRemoved(const Pieces& found, const Choice& choice, const RepairReport
 void warnOfKept(const RepairReport& report, const WarningCallback& warn);
 
 /// Counts the solids and the cavities of a result.
-void countPieces(const Mesh& result, RepairReport& report);
+void countPieces(const Model& result, RepairReport& report);
 
 }  // namespace raymap

@@ -9,11 +9,11 @@
 
 #include "mesh/compact.h"
 #include "mesh/defects.h"
+#include "mesh/diagnostics.h"
 #include "mesh/patches.h"
 #include "mesh/pieces.h"
 #include "repair/topology/base.h"
 #include "repair/topology/flat_holes.h"
-#include "repair/topology/keep.h"
 
 namespace raymap {
 
@@ -66,7 +66,7 @@ void turnOut(Mesh& mesh, size_t given, std::vector<uint32_t>& turned) {
 }
 
 /// Returns whether nothing is wrong with a mesh.
-bool isAllRight(const Mesh& mesh) {
+bool isAllRight(const Model& mesh) {
   const Diagnostics found = diagnose(mesh, {.brief = true});
   if (!looksRight(found)) return false;
   const SelfIntersections crossing = findSelfIntersections(mesh);
@@ -93,13 +93,22 @@ std::optional<Mended> fillAll(const Mended& open, size_t given) {
   mended.filled = fillHoles(mended.mesh);
   if (mended.filled.holes == 0) return {};
   turnOut(mended.mesh, given, mended.turned);
-  mended.isRight = isAllRight(mended.mesh);
+  mended.isRight = isAllRight(Model(mended.mesh));
   return mended.isRight ? std::optional(std::move(mended)) : std::nullopt;
 }
 
 }  // namespace
 
-Mended mend(const PackedMesh& mesh, const Diagnostics& found, const SelfIntersections& crossing,
+bool looksRight(const Diagnostics& found) {
+  return found.watertight && found.signedVolume > 0.0 && found.nonManifoldEdges == 0 &&
+         found.consistentlyOriented && found.degenerateFaces == 0 && found.duplicateFaces == 0;
+}
+
+bool crossesNowhere(const SelfIntersections& crossing) {
+  return crossing.pairs == 0 && crossing.complete;
+}
+
+Mended mend(const Model& mesh, const Diagnostics& found, const SelfIntersections& crossing,
             Orientation orientation, const RepairOptions& repair, bool mayKeep) {
   Mended mended{.mesh = weldedCopy(mesh)};
   const size_t given = mesh.triangles.size();
@@ -119,7 +128,7 @@ Mended mend(const PackedMesh& mesh, const Diagnostics& found, const SelfIntersec
       return mend(mesh, found, crossing, Orientation::Keep, repair, mayKeep);
     turnOut(mended.mesh, given, mended.turned);
   }
-  mended.isRight = mayKeep && isUncrossed && mended.isChanged() && isAllRight(mended.mesh);
+  mended.isRight = mayKeep && isUncrossed && mended.isChanged() && isAllRight(Model(mended.mesh));
   return mended;
 }
 

@@ -7,10 +7,17 @@
 #include <optional>
 #include <vector>
 
-#include "mesh/packed_mesh.h"
+#include "mesh/model.h"
 #include "repair/topology/fill_holes.h"
 
 namespace raymap {
+
+/// Returns whether these counts find nothing wrong with a mesh: every edge has two faces that agree, the
+/// faces point outwards, and none is degenerate or a duplicate.
+bool looksRight(const Diagnostics& found);
+
+/// Returns whether no faces cross, and the search for them is complete.
+bool crossesNowhere(const SelfIntersections& crossing);
 
 /// A mesh with what is certain mended: faces turned back, holes closed.
 struct Mended {
@@ -29,7 +36,7 @@ struct Mended {
 /// outermost and inside out then. Joins open edges to a base if one is asked
 /// for. Closes all holes if that makes the mesh right; else those that a plane closes (`fillFlatHoles`).
 /// Undoes turns that leave the mesh open or its faces at odds. Throws `Error(Input)` where there is no base.
-Mended mend(const PackedMesh& mesh, const Diagnostics& found, const SelfIntersections& crossing,
+Mended mend(const Model& mesh, const Diagnostics& found, const SelfIntersections& crossing,
             Orientation orientation, const RepairOptions& repair, bool mayKeep);
 
 }  // namespace raymap

@@ -1,0 +1,87 @@
+#include <utility>
+
+#include "base/text.h"
+#include "mesh/compact.h"
+#include "mesh/diagnostics.h"
+#include "repair/stages.h"
+#include "repair/topology/drop_pieces.h"
+
+namespace raymap {
+
+namespace {
+
+/// Warns that a mesh is a sheet, unless an option says what to make of it.
+void warnOfSheet(const Diagnostics& found, const RepairOptions& repair, const WarningCallback& warn) {
+  const Verdict verdict = judge(found, {});
+  if (verdict.remedy != Remedy::Thicken || repair.base || repair.minThickness) return;
+  warn({WarningCode::Sheet,
+        "the mesh is a sheet, an open surface without a definite inside, so the solid is a guess; give it a "
+        "thickness, such as " +
+            numberText(verdict.thickness, 3) + ", or join its rim to a flat base",
+        {.length = verdict.thickness}});
+}
+
+bool asksForChange(const RepairOptions& repair) {
+  return repair.remesh || repair.offset != 0.0 || repair.shell > 0.0 ||
+         repair.minThickness.value_or(0.0) > 0.0;
+}
+
+/// Keeps the faces of a mesh with nothing wrong. Drops small parts only if `RepairOptions::dropSmaller` is
+/// set; warns of them else.
+void keep(const Model& mesh, RepairRun& run) {
+  const RepairOptions& options = run.options;
+  RepairReport& report = run.report;
+  report.kept = true;
+  run.result = weldedCopy(mesh);
+  Pieces found = findPieces(mesh);
+  nestPieces(mesh, 1, found);
+  const Choice choice = choosePieces(found, options, true, report);
+  if (options.dropSmaller) {
+    if (choice.count > 0) dropFrom(run.result, found, choice);
+  } else {
+    warnOfKept(report, run.machine.warn);
+    report.dropped = {};
+    report.dropSmaller = 0.0;
+  }
+  requireParts(run.result);
+  if (options.triangles > 0 ? options.triangles < run.result.triangles.size()
+                            : options.tolerance.value_or(0.0) > 0.0)
+    simplifyResult(run, 0.0, 0.0);
+  if (options.finish) options.finish(run.result);
+  inspectResult(run);
+}
+
+}  // namespace
+
+void inspectGiven(RepairRun& run) {
+  const Model mesh{MeshView(run.given)};  // Frees what it finds about the mesh.
+  const RepairOptions& options = run.options;
+  RepairReport& report = run.report;
+  Mended& mended = run.mended;
+  const bool mayKeep = !asksForChange(options);
+  Diagnostics found;
+  SelfIntersections crossing;
+  Arrangement arrangement = Arrangement::Unknown;
+  if (mayKeep || options.measure || options.base) {
+    inspect(mesh, found, crossing, arrangement);
+    warnOfSheet(found, options, run.machine.warn);
+  } else {
+    found = diagnose(mesh, {.brief = true});
+  }
+  const bool isRightButParts = mayKeep && looksRight(found) && crossesNowhere(crossing);
+  report.partsOverlap = isRightButParts && !isRight(arrangement);
+  if (isRightButParts && !report.partsOverlap && !options.base)
+    keep(mesh, run);
+  else if (!found.watertight || !found.consistentlyOriented || options.base)
+    mended = mend(mesh, found, crossing, run.fieldOptions.orientation, options, mayKeep);
+  if (mended.isRight) keep(Model(mended.mesh), run);
+  report.closedHoles = mended.filled.holes;
+  report.closingFaces = mended.filled.faces;
+  report.stats.turnedFaces = mended.turned;
+  if (!mayKeep && !options.measure) return;
+  report.before = std::move(found);
+  report.crossingBefore = std::move(crossing);
+  report.arrangementBefore = arrangement;
+}
+
+}  // namespace raymap
