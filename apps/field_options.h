@@ -32,7 +32,7 @@ void addFieldOptions(Command& command, FieldArguments& arguments);
 void addSpacingOptions(Command& command, GridOptions& grid);
 void addMethodOptions(Command& command, FieldArguments& arguments);
 void addGridOptions(Command& command, FieldArguments& arguments);
-/// Adds the limit, which counts for all of the process from the end of parsing on.
+/// Adds the limit, which holds for all of the process from the end of parsing on.
 void addMemoryLimit(Command& command, size_t& limit);
 void addCpuOptions(Command& command, MachineOptions& machine);
 void addMachineOptions(Command& command, MachineOptions& machine);

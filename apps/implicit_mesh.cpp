@@ -14,7 +14,7 @@ constexpr int kBisections = 20;
 
 /// A pattern of inside corners to fill. Corners of a cube have the numbers x + 2y + 4z.
 struct Pinch {
-  unsigned mask;    // Corners that count.
+  unsigned mask;    // Corners that are used.
   unsigned inside;  // Those of them that are inside.
   int fill;         // Corner to add.
 };

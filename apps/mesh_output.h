@@ -20,7 +20,7 @@ struct StoredMesh {
 struct StoreOptions {
   bool recenter = false;                     ///< Whether to move its centre to about 0.
   LengthUnit unit = LengthUnit::Millimetre;  ///< Unit that a .3mf states.
-  std::string_view format = {};              ///< Extension that counts where the path has none that is known.
+  std::string_view format = {};  ///< Extension that is used where the path has none that is known.
 };
 
 /// Returns how to write a mesh. Its offset is of whole multiples of a power of ten, so that people can type

@@ -32,7 +32,7 @@ struct MadeField {
 /// A thread that makes fields on the CPU.
 class FieldWorker {
  public:
-  /// All of `machine` but its callbacks counts. The content must outlive the worker.
+  /// All of `machine` but its callbacks is used. The content must outlive the worker.
   FieldWorker(const Content& content, MachineOptions machine);
   ~FieldWorker();
   FieldWorker(const FieldWorker&) = delete;

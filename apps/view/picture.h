@@ -26,7 +26,7 @@ class LivePicture {
     const DeviceMesh* overlaid = nullptr;  ///< Mesh seen where it sticks out of the field; null: none.
     bool countsSteps = false;              ///< Whether to count the steps of rays.
     const Camera& camera;
-    const RenderOptions& view;  ///< All but its size counts.
+    const RenderOptions& view;  ///< All but its size is used.
     const Box& bounds;
   };
   /// Records the next step. `hasChanged` says whether the input is another one than last time.

@@ -381,7 +381,7 @@ typedef struct raymap_thickness_arrays {
 } raymap_thickness_arrays;
 
 /* Measures the thickness at points of faces: `points` are x, y, z of each, `triangles` the face that each
- * lies on. Parts thicker than "max_thickness" count as infinitely thick. Options: also "threads" and the
+ * lies on. Parts thicker than "max_thickness" are taken as infinitely thick. Options: also "threads" and the
  * progress callback; they may be NULL. Fails with RAYMAP_ERROR_USAGE for a face that does not exist and a
  * surface without a sign. After a failure the arrays are unchanged. */
 RAYMAP_API raymap_result raymap_surface_thickness(const raymap_surface* surface, const double* points,

@@ -42,7 +42,7 @@ struct Thickness {
 
 /// How to measure thickness.
 struct ThicknessOptions {
-  /// Largest thickness to find. Thicker parts count as infinitely thick. The smaller, the faster.
+  /// Largest thickness to find. Thicker parts are taken as infinitely thick. The smaller, the faster.
   double maxThickness = std::numeric_limits<double>::infinity();
 };
 

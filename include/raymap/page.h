@@ -51,7 +51,7 @@ RAYMAP_API Grid pageGrid(const Grid& grid, int maxSize);
 ///
 /// The page of a narrow band takes time and memory that grow with the surface. It shows distances only, none
 /// of them clamped: at each sample of the page that to the band's `isosurface`, which `generate` makes there.
-/// So the surface across a hole of an open mesh counts, too. Where the band's box cuts the solid, distances
+/// So the surface across a hole of an open mesh is included. Where the band's box cuts the solid, distances
 /// are those of a solid that goes straight on beyond it. `machine.device` and `memoryLimit` are used for that
 /// field. Throws Usage, too, if no sample of the band is inside, or for an array other than the distance.
 RAYMAP_API Page makePage(const Field& field, const RenderOptions& view = {}, const PageOptions& options = {},

@@ -138,8 +138,8 @@ struct RepairReport {
   size_t hollows = 0;        ///< Number of hollows that the shell left.
   size_t drainHoles = 0;     ///< Number of drain holes.
   std::vector<DrainHolePlace> drainHolePlaces = {};  ///< Places of the drain holes, hollow by hollow.
-  size_t solids = 0;          ///< Number of parts of the result; those in cavities count, too.
-  size_t cavities = 0;        ///< Number of sealed cavities of the result: those of the shell count, too.
+  size_t solids = 0;          ///< Number of parts of the result; those in cavities, too.
+  size_t cavities = 0;        ///< Number of sealed cavities of the result: those of the shell, too.
   double dropSmaller = 0.0;   ///< Volume below which parts were dropped.
   Removed dropped = {};       ///< Parts that were too small.
   Removed filled = {};        ///< Sealed cavities that were filled.

@@ -22,7 +22,7 @@ namespace raymap {
 // It is up to 0.71 h less than the distance interpolated at the border. Far from a surface that the box
 // holds, it is nearly the distance. Where the bounds are not known, or reach beyond the box around p, it
 // falls with the way from the box, and below 0: p may lie inside of what the box does not hold. A point
-// outside the bounds counts as outside the solid.
+// outside the bounds is outside the solid.
 //
 // The bound holds where the field has the sign of a closed surface. Across a hole the sign of an open mesh
 // jumps although the distance is not 0: a point inside, seen from samples outside through a hole, gets a

@@ -30,7 +30,7 @@ struct Simplified {
 /// Returns a mesh with fewer faces, on some of the vertices of a watertight mesh. It stays watertight and
 /// consistently oriented, no closed part turns inside out, and no faces cross that did not cross before. All
 /// this is checked, and collapses are undone where a check fails. If checks fail in spite of that, the result
-/// is the given mesh. Vertices at the same position count as one if the mesh is not watertight otherwise.
+/// is the given mesh. Vertices at the same position are taken as one if the mesh is not watertight otherwise.
 /// Same mesh, same result, for any number of threads. `machine.threads`, `warn` and `progress` are used.
 ///
 /// A mesh with at most `SimplifyOptions::triangles` is kept. If no tolerance reaches this number, or not the

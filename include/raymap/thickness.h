@@ -43,7 +43,7 @@ RAYMAP_API Verdict judge(const MeshView& mesh, const Diagnostics& found, const S
                          const MachineOptions& machine = {});
 
 /// Returns the thickness of a mesh's thinnest part: the local thickness that all but 0.2 % of the area
-/// exceeds, at 5,000 points. So tips, and specks that noise makes, do not count. Returns nothing if no such
+/// exceeds, at 5,000 points. So tips, and specks that noise makes, are ignored. Returns nothing if no such
 /// part is thinner than `maxThickness`. Uses `machine` and throws `Error` as `Surface` does. Takes less than
 /// 0.1 s for a hundred thousand triangles, but as long as `diagnose` for a million.
 RAYMAP_API std::optional<double> findThinnest(const MeshView& mesh, double maxThickness,

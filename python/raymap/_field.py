@@ -70,7 +70,7 @@ class Field:
     make them. Values are held in leaves of 8 x 8 x 8 samples: arrays have the shape (n, 8, 8, 8), and value
     ``distance[n, i, j, k]`` is that of the sample ``origins[n] + (i, j, k)``. Samples in no leaf lie outside, at
     ``outside`` or farther, unless a tile holds them: tiles are cubes whose samples all lie inside, at ``inside`` or
-    deeper. Leaves may reach beyond the grid; the samples there count as outside.
+    deeper. Leaves may reach beyond the grid; the samples there are outside.
 
     Args:
         distance: Distances, (nx, ny, nz), negative inside.
@@ -727,7 +727,7 @@ class Field:
         are, those of triangles 0. If either field is clamped to a band, distances are compared within the narrower one.
 
         Two narrow bands are compared as their dense fields, without the memory of these. Winding numbers and
-        confidences are known in leaves alone: other samples count as not finite.
+        confidences are known in leaves alone: other samples are taken as not finite.
 
         Args:
             other: Field on the same grid, of the same kind.

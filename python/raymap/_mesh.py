@@ -159,7 +159,7 @@ class Animation:
 def load_animation(path: str | os.PathLike[str], index: int = 0) -> Animation:
     """Reads a glTF or GLB file with its skins and one of its animations.
 
-    Morph targets move its vertices, too. The four joints of a vertex that have the largest weights count. A file
+    Morph targets move its vertices, too. The four joints of a vertex that have the largest weights are used. A file
     without any animation gives a mesh that stands still, and a warning (``RaymapWarning``).
 
     Args:

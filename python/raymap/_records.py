@@ -452,9 +452,9 @@ class RepairReport(TypedDict):
     drain_hole_places: list[DrainHolePlace]
     """Places of the drain holes, hollow by hollow."""
     solids: int
-    """Number of parts of the result; those in cavities count, too."""
+    """Number of parts of the result; those in cavities, too."""
     cavities: int
-    """Number of sealed cavities of the result: those of the shell count, too."""
+    """Number of sealed cavities of the result: those of the shell, too."""
     drop_smaller: float
     """Volume below which parts were dropped."""
     dropped: Removed

@@ -489,7 +489,7 @@ class Surface:
         Args:
             points: Positions on the faces in the mesh's units, (n, 3), as of ``raymap.sample_faces`` or ``closest``.
             triangles: Indices of the faces that hold them, (n,).
-            max_thickness: Largest thickness to find, in the mesh's units; thicker parts count as infinitely thick. The smaller,
+            max_thickness: Largest thickness to find, in the mesh's units; thicker parts are taken as infinitely thick. The smaller,
                 the faster. None = no limit.
             threads: Number of CPU threads; None = ``raymap.get_threads()``.
             progress: A callable that receives a stage and its share, 0 to 1; True to show it.

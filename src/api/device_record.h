@@ -15,7 +15,7 @@ struct DeviceRecord {
 };
 
 /// Returns what this process remembers, or what is kept in the user's cache folder, of a device with this
-/// driver, this version of raymap and these kernels. A file that is damaged or of another device counts as
+/// driver, this version of raymap and these kernels. A file that is damaged or of another device is taken as
 /// none.
 DeviceRecord readResult(const DeviceInfo& device);
 /// The same; but if a test of the device runs or has not ended, returns that.

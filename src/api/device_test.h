@@ -25,7 +25,7 @@ DeviceTest testGpu(const DeviceInfo& device, size_t number, const ProgressCallba
 /// Returns the recorded result for a GPU. Tests it first if there is none.
 DeviceTestState testOnce(const DeviceInfo& device, size_t number, const ProgressCallback& progress);
 
-/// Returns "vulkan:0 (NAME, driver DRIVER) failed its test: ..." or why else its test does not count.
+/// Returns "vulkan:0 (NAME, driver DRIVER) failed its test: ..." or why else its test is void.
 std::string reasonAgainst(const DeviceInfo& device);
 
 }  // namespace raymap

@@ -116,7 +116,7 @@ class Backend {
   enum class TreeTurns { Unasked, None, Some } treeTurns_ = TreeTurns::Unasked;  // those made in the tree
   Crossings crossings_;
   bool hasCrossings_ = false;
-  Turns crossedTurns_;  // The turns that the crossings are counted with; empty if they count all as given.
+  Turns crossedTurns_;         // The turns that the crossings are counted with; empty if all are as given.
   ChangedFaces changedFaces_;  // Since the crossings were counted.
   RayMap rayMap_;
   Winding windingSolver_;

@@ -83,7 +83,7 @@ constexpr std::array<OptionText, 68> kTexts{{
     {"max_size",
      "Most samples along a side. Larger fields are resampled on a coarser grid."},
     {"max_thickness",
-     "Largest thickness to find. Thicker parts count as infinitely thick. The smaller, the faster."},
+     "Largest thickness to find. Thicker parts are taken as infinitely thick. The smaller, the faster."},
     {"measure",
      "Whether to measure both meshes and how far they deviate; takes longer. Without, nothing in the "
      "report is set that compares the meshes or tells what is wrong with them."},

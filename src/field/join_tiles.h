@@ -11,7 +11,7 @@
 namespace raymap {
 
 /// Adds the next tile along the curve to those of a lattice. Joins tiles that fill a larger cube; parts of it
-/// beyond the lattice do not count. So equal insides have equal tiles.
+/// beyond the lattice are ignored. So equal insides have equal tiles.
 inline void addTile(std::vector<NarrowBand::Tile>& tiles, const NarrowBand::Tile& tile,
                     const glm::ivec3& dims) {
   tiles.push_back(tile);

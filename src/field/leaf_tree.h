@@ -35,7 +35,7 @@ class LeafTree {
   /// Returns the block in another array of the band: NaN without a leaf.
   SparseBlock blockWith(const glm::ivec3& sample, const Buffer<float>& numbers) const;
   /// Returns the largest cube without leaves, of those that the tree knows, around a sample on the lattice.
-  /// Its samples beyond the lattice do not count.
+  /// Ignores its samples beyond the lattice.
   std::optional<EmptyCube> emptyCube(const glm::ivec3& sample) const;
 
   static constexpr int kSlotBits = 3;  ///< A node has 8 x 8 x 8 slots, x fastest.

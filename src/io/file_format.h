@@ -20,7 +20,7 @@ using Formats = std::vector<std::string>;
 bool contains(const Formats& formats, std::string_view format);
 
 /// Returns the format of a file: the name's extension, or else `given`, or else what the bytes say beyond
-/// doubt. Each counts only if it is one of `known`; returns nothing if none does. Throws `Error(File)` if
+/// doubt. Each is used only if it is one of `known`; returns nothing if none does. Throws `Error(File)` if
 /// there is no file whose bytes could tell.
 std::string formatOf(const SourceFile& source, std::string_view given, const Formats& known);
 

@@ -11,7 +11,7 @@ namespace raymap {
 /// Faces that lie on others: on the same three positions. They form groups.
 ///
 /// A double-sided group has as many faces in one winding order as in the other. They cancel in every winding
-/// number. Every other group counts as one face, the lowest in the winding order of most; the rest of it is
+/// number. Every other group is taken as one face, the lowest in the winding order of most; the rest of it is
 /// repeated, unless the mesh needs it to be as balanced as it is (`surplusFaces`).
 struct DoubleSidedFaces {
   std::vector<uint32_t> firsts;    ///< Lowest face of each double-sided group, ascending.

@@ -60,7 +60,7 @@ Extent<Scalar> extentOfTriangles(const Mesh& mesh, Add&& add) {
     extents[task] = extent;
   });
   Extent<Scalar> all;
-  for (const Extent<Scalar>& extent : extents) {  // In order: of 0 and -0, the first one counts.
+  for (const Extent<Scalar>& extent : extents) {  // In order: of 0 and -0, the first one is taken.
     all.low = glm::min(all.low, extent.low);
     all.high = glm::max(all.high, extent.high);
   }

@@ -39,7 +39,7 @@ class ScaledPolygon {
 };
 
 /// Returns whether all triangles of a fan clearly have an area and turn the way of the polygon, and go around
-/// the first corner less than once. Triangles at a corner that repeats do not count. Rounding may give a
+/// the first corner less than once. Ignores triangles at a corner that repeats. Rounding may give a
 /// triangle a tiny area whose corners lie on a line; needles are the triangles of a polygon that is one.
 bool isClearFan(const ScaledPolygon& polygon, const glm::dvec3& normal) {
   constexpr double kClear = 1e-5;

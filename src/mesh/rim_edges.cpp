@@ -130,7 +130,7 @@ std::vector<RimEdge> findRimEdges(const PackedMesh& mesh, std::span<const uint32
   sortKeys(candidates.size(), make, keys);
   std::vector<RimEdge> rims;
   for (size_t first = 0, next = 0; first < keys.size(); first = next) {
-    int64_t sum = 0;  // The other direction counts negative.
+    int64_t sum = 0;  // The other direction is negative.
     for (; next < keys.size() && keys[next].high == keys[first].high; ++next)
       sum += ((keys[next].low ^ keys[first].low) & 1) == 0 ? 1 : -1;
     const auto [from, to] = endsOf(mesh, keys[first].low >> 1);

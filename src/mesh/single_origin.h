@@ -34,7 +34,7 @@ inline bool isKeptAbout(double origin, double coordinate) {
 double roundedMiddle(double low, double high);
 
 /// Which coordinates of an axis single precision keeps. `at(v)` is position v of `count`. Those beyond the
-/// box do not count.
+/// box are ignored.
 template <class At>
 class KeptCoordinates {
  public:
@@ -84,7 +84,7 @@ class KeptCoordinates {
 inline constexpr double kNoiseAboutZero = 0x1p-40;
 
 /// Returns the origin about which positions, `at(v)` for all v below `count`, are rounded to single
-/// precision. Those beyond the box do not count.
+/// precision. Those beyond the box are ignored.
 ///
 /// Each axis has the first of these that keeps all coordinates, but for those that are not 0 and within
 /// `noise` sizes of the box from it: `known`, if it lies in the box, the centre of the box, its

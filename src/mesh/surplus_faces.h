@@ -8,7 +8,7 @@
 namespace raymap {
 
 /// Returns those of some repeated faces without which the mesh is as balanced at every edge as with them, or
-/// more. They should not count. The others should: where two solids share a face, each has a side there.
+/// more. They should be ignored. The others should not: where two solids share a face, each has a side there.
 std::vector<uint32_t> surplusFaces(const PackedMesh& mesh, std::vector<uint32_t> repeated);
 
 }  // namespace raymap

@@ -25,7 +25,7 @@ struct Welding {
 Welding weldVertices(std::span<const glm::vec3> vertices, Buffer<SortKey>& keys);
 Welding weldVertices(std::span<const glm::vec3> vertices);
 
-/// Returns the welding of vertices that all count as positions of their own.
+/// Returns the welding of vertices that are all positions of their own.
 Welding unwelded(size_t vertices);
 
 /// Returns the positions of a face's corners.

@@ -26,7 +26,7 @@ struct Borders {
 struct OrientationSurface {
   std::vector<uint32_t> taken;      ///< The faces that the sign takes, ascending.
   Turns asGiven;                    ///< Takes each face as given or leaves it out.
-  std::vector<uint8_t> isDirected;  ///< Whether the given winding order of each face counts.
+  std::vector<uint8_t> isDirected;  ///< Whether the given winding order of each face is used.
   Patches patches;                  ///< Patches; a face that is left out has that of its group's first.
   std::vector<float> areas;         ///< Twice the area of each face; 0 if it is left out.
   std::vector<double> patchAreas;   ///< Sum of `areas` over each patch.
@@ -42,7 +42,7 @@ struct OrientationSurface {
 /// Takes the faces that `given` takes as given.
 OrientationSurface takeAllFaces(const PackedMesh& mesh, Turns given);
 
-/// Takes one face of each double-sided group, whose given winding order does not count.
+/// Takes one face of each double-sided group, whose given winding order is ignored.
 OrientationSurface takeSingleFaces(const PackedMesh& mesh, const DoubleSidedFaces& doubleSided);
 
 /// Returns the turns that leave out repeated faces.

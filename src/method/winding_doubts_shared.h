@@ -32,7 +32,7 @@ RAYMAP_FUNCTION float numberError(uint source, float distance) {
   return distance < 7.0f ? 0.08f : distance > 28.0f ? 0.005f : 4.0f / (distance * distance);
 }
 
-// Such bounds hold for rims that count once. Others change the field along crossed edges of the lattice by
+// Such bounds hold for rims of one face. Others change the field along crossed edges of the lattice by
 // more than what is crossed. All bounds grow with the largest such change, times this.
 RAYMAP_CONSTANT float kDoubtOfChange = 3.0f;
 

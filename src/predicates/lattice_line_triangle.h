@@ -4,7 +4,7 @@
 // vulkan/stages/crossings_lines.glsl.
 //
 // Precision: exact, on integers.
-// Ties: all samples count as displaced by the same (e, e^2, e^3), e > 0 infinitely small: simulation of
+// Ties: all samples are taken as displaced by the same (e, e^2, e^3), e > 0 infinitely small: simulation of
 // simplicity (Edelsbrunner & Mücke 1990).
 
 #include <algorithm>

@@ -4,7 +4,7 @@
 //
 // Precision: double. A side is right unless rounding decides it. The faces at an edge always agree about it,
 // so a line enters and leaves a closed surface equally often. Ties: a line that meets an edge or a corner
-// counts as moved by an infinitely small step, and so passes one of the faces on each side.
+// is taken as moved by an infinitely small step, and so passes one of the faces on each side.
 
 #include <glm/glm.hpp>
 #include <optional>
@@ -19,12 +19,12 @@ struct LinePassage {
   glm::dvec3 weights{0.0};
 };
 
-/// Finds how the line through the origin passes a triangle that is seen along the line. The line counts as
+/// Finds how the line through the origin passes a triangle that is seen along the line. The line is taken as
 /// moved along -x, and less along -y.
 LinePassage passLine(const glm::dvec2& a, const glm::dvec2& b, const glm::dvec2& c);
 
-/// Returns x where the line along x through (y, z) crosses a triangle. The line counts as moved along y, and
-/// less along z.
+/// Returns x where the line along x through (y, z) crosses a triangle. The line is taken as moved along y,
+/// and less along z.
 std::optional<double> crossingAt(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c, double y,
                                  double z);
 

@@ -64,7 +64,7 @@ class FieldPair {
       if (band > 0.0) band_ = std::min(band_, band);
   }
   const Grid& grid() const { return a_.grid(); }
-  /// Reads a sample of both. Of triangles, only whether they differ counts.
+  /// Reads a sample of both. Of triangles, only whether they differ matters.
   TwoValues at(const glm::ivec3& s) const {
     if (a_.kind() == FieldArray::Triangle) return {0.0f, 0.0f, a_.triangle(s) != b_.triangle(s)};
     const float a = a_(s), b = b_(s);
@@ -147,7 +147,7 @@ struct Tally {
   double sum = 0.0;
   double squares = 0.0;
 
-  /// Notes a sample if its error is the largest. Of equal errors, that of the first sample counts.
+  /// Notes a sample if its error is the largest. Of equal errors, that of the first sample is taken.
   void note(double error, const glm::ivec3& sample) {
     const auto place = [](const glm::ivec3& s) { return std::tuple(s.z, s.y, s.x); };
     if (error < result.maxError || error == 0.0) return;

@@ -108,7 +108,7 @@ std::optional<DrawnField::Plateau> DrawnField::plateau(const glm::dvec3& p,
     box = {cube->low, cube->low + (cube->side - 1)};
     distance = cube->distance;
   }
-  // Values are constant up to the last sample of the box. Beyond it, those of the next box count too.
+  // Values are constant up to the last sample of the box. Beyond it, those of the next box are used too.
   const glm::dvec3 low(box->first), high(box->last);
   if (glm::any(glm::greaterThan(p, high))) return std::nullopt;
   double length = INFINITY;

@@ -70,7 +70,7 @@ Plateau plateauAround(Uints index, ivec3 at) {
   return Plateau(slot.content < 0, distanceElsewhere(index, slot.content), low, low + ((1 << slot.bits) - 1));
 }
 
-// Returns how far a ray goes on from a point in samples of one value, or 0. Beyond the last of them, others count too.
+// Returns how far a ray goes on from a point in samples of one value, or 0. Beyond the last of them, others are used too.
 float emptyLength(vec3 p, vec3 direction, out float value) {
   const vec3 last = vec3(push.shape.nx, push.shape.ny, push.shape.nz) - 1;
   value = 0;

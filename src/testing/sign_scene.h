@@ -70,7 +70,7 @@ inline glm::dvec3 samplePosition(const Grid& grid, size_t s) {
 }
 
 /// Counts, among every `stride`-th sample, those whose sign is not that of the exact generalized winding
-/// number. Samples within 1e-6 of the diagonal from the surface do not count.
+/// number. Samples within 1e-6 of the diagonal from the surface are ignored.
 inline size_t countWrongSigns(const Mesh& mesh, const Grid& grid, const Buffer<float>& winding,
                               size_t stride = 1, double threshold = 0.5) {
   size_t wrong = 0;

@@ -102,7 +102,7 @@ def generate(
         client: A ``dask.distributed.Client``, whose cluster does the work; None = this machine.
         **options: Options of ``raymap.generate``, or of ``raymap.sample_points`` with the number of points,
             ``n``. Some have other defaults: ``device="cpu"``, and for each mesh ``threads=1`` and
-            ``memory_limit=4 << 30``, which counts all that its process takes for it. ``bounds`` may be a dict with a
+            ``memory_limit=4 << 30``, which limits all that its process takes for it. ``bounds`` may be a dict with a
             box for each mesh, by its path below the folder. Fields also take ``pyramid``, the number of coarser levels,
             each of half the resolution, as ``raymap.generate_pyramid`` makes them; a .npz holds all of them, and
             ``raymap.load_pyramid`` reads it. With ``sparse=True`` they are narrow bands, as ``"vdb"`` or ``"nvdb"``, which

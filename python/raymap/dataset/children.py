@@ -123,7 +123,7 @@ class Children:
         """Returns the figures of a job, or why there are none.
 
         A process that did other jobs may hold memory of them, or end because it had nothing to do. So what ends it, or
-        lacks memory, is tried again in a fresh process. Only that counts: the result does not depend on other jobs.
+        lacks memory, is tried again in a fresh process. Only that matters: the result does not depend on other jobs.
 
         Raises:
             Error: No process can be started, the result cannot be written, or the device cannot be used.

@@ -289,7 +289,7 @@ def _strict(value: Any) -> Any:
 def other_results(jobs: Iterable[Job], outcomes: Iterable[Outcome], out: Path, what: str) -> list[str]:
     """Returns results that lie in the jobs' folder, but are of other options, formats or meshes.
 
-    Results of another kind do not count. They have a table of their own.
+    Ignores results of another kind. They have a table of their own.
     """
     done = {outcome.name for outcome in outcomes if outcome.state == "done"}
     own = {job.result for job in jobs if job.name in done}

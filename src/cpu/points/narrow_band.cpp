@@ -28,7 +28,7 @@ glm::ivec3 childOf(const glm::ivec3& low, int side, int child) {
   return low + side / 2 * cornerOf(child);
 }
 
-/// A cube of 8 x 8 x 8 samples, and on which side its eight parts lie. `Side::Unknown` counts as near.
+/// A cube of 8 x 8 x 8 samples, and on which side its eight parts lie. `Side::Unknown` is taken as near.
 struct LeafParts {
   glm::ivec3 low;
   std::array<Side, 8> sides;

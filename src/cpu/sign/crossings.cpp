@@ -100,7 +100,7 @@ int chooseFractionBits(const CellMesh& mesh) {
   if (std::all_of(mesh.vertices.begin(), mesh.vertices.end(),
                   [near](const glm::vec3& v) { return reach(v) < near; }))
     return kMaxFractionBits;
-  // Vertices that no triangle uses do not count.
+  // Vertices that no triangle uses are ignored.
   const float furthest = furthestCoordinate(mesh);
   if (!(furthest < far)) throwTooFar(mesh, far);
   return std::clamp(kCoordinateBits - 1 - std::ilogb(furthest), 0, kMaxFractionBits);

@@ -31,7 +31,7 @@ int oddRays(const RayRow& row, size_t i) {
 }  // namespace
 
 /// The field fits as well as possible, so the residual is orthogonal to all differences of fields. Its square
-/// is then its product with the jumps, and only crossed edges count.
+/// is then its product with the jumps, and only crossed edges matter.
 double measureMisfit(const glm::ivec3& dims, const Crossings& crossings, const Buffer<float>& winding) {
   const auto add = [&](Misfit& sum, const CrossedEdge& edge) {
     const double jump = edge.signedCount;

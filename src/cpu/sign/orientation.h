@@ -11,8 +11,8 @@ namespace raymap::cpu {
 /// nothing is crossed. Any other field than the best fit gives a wrong result.
 double measureMisfit(const glm::ivec3& dims, const Crossings& crossings, const Buffer<float>& winding);
 
-/// Returns whether any sample's sign contradicts the parity of all six of its rays. Only samples count whose
-/// winding number is farther from the threshold than the lattice's error.
+/// Returns whether any sample's sign contradicts the parity of all six of its rays. Only samples are used
+/// whose winding number is farther from the threshold than the lattice's error.
 bool contradictsParity(const RayMap& map, const Buffer<float>& winding, double threshold);
 
 /// Measures the field a step in front of every face and a step behind it, in the mean over the face. The step

@@ -27,8 +27,8 @@ struct RayMap {
   std::array<Axis, 3> axes;
 
   /// Returns r of `sample` along `axis` (Eq. 7). The sample may lie outside the grid. Paper: no crossings lie
-  /// outside the grid. Here: those before a line's first sample and beyond its last count, at index -1 and m,
-  /// because the grid need not cover the mesh.
+  /// outside the grid. Here: those before a line's first sample and beyond its last are used, at index -1 and
+  /// m, because the grid need not cover the mesh.
   int32_t ray(int axis, glm::ivec3 sample) const;
   /// Returns the number of faces that the same ray crosses, whichever way they point.
   int32_t unsignedRay(int axis, glm::ivec3 sample) const;

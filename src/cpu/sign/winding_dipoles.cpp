@@ -1,7 +1,7 @@
 // Barill et al. 2018, "Fast winding numbers for soups and clouds", where Krayer & Müller 2019, §3.5, only
 // sample.
 //
-// A distant group of triangles counts as a dipole with a first correction. A close group is summed triangle
+// A distant group of triangles is taken as a dipole with a first correction. A close group is summed triangle
 // by triangle (Van Oosterom & Strackee 1983).
 
 #undef HWY_TARGET_INCLUDE

@@ -94,7 +94,7 @@ class ResidualPlanes {
 
   const glm::ivec3& size() const { return size_; }
 
-  /// Restricts plane k along x and y. The residual counts as zero outside the box and on its border.
+  /// Restricts plane k along x and y. The residual is taken as zero outside the box and on its border.
   void restrictPlane(int k, float* plane) {
     std::fill_n(plane, size_t(size_.x) * size_t(size_.y), 0.0f);
     if (k < 1 || k + 1 >= fine_.dims.z) return;

@@ -88,7 +88,7 @@ class OffsetValues {
       : map_(map), sampling_(sampling), values_(values), row_(size_t(map.dims.x)) {}
 
   /// Returns the values of row (j, k). Paper: six rays outside the grid too. Here: 0 there unless asked for,
-  /// because a point there counts as outside the surface: a ray that misses the grid crosses nothing.
+  /// because a point there is outside the surface: a ray that misses the grid crosses nothing.
   const std::vector<float>& fetch(const glm::ivec3& offset, int j, int k) {
     const glm::ivec3& dims = map_.dims;
     j += offset.y;
@@ -113,7 +113,7 @@ class OffsetValues {
 
  private:
   /// Returns the mean of the six rays of a point before or beyond a line (Eq. 7). Only the ray along the line
-  /// crosses anything. Seen from beyond, each crossing counts the other way.
+  /// crosses anything. Seen from beyond, each crossing has the other sign.
   float meanRay(int axis, size_t line, bool isBefore) const {
     const int32_t total = map_.total(axis, line);
     return float(isBefore ? total : -total) / float(kRays);
@@ -148,7 +148,7 @@ void forEachRow(const RayMap& map, const PathScratch& scratch, Walked& walked, W
   });
 }
 
-/// Counts the rows of `points` offset points. The work before them counts as one more.
+/// Counts the rows of `points` offset points. The work before them is taken as one more.
 Walked walks(const RayMap& map, Progress& progress, double begin, double points) {
   constexpr size_t kSamplesPerReport = size_t{1} << 15;
   return {{progress, begin, 1.0, (points + 1.0) * map.dims.y * map.dims.z},

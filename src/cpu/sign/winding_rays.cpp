@@ -10,7 +10,7 @@ namespace {
 
 /// Fills in the winding numbers of a row (Eq. 7). Returns the number of samples whose rays disagree. Along
 /// each axis, r is the ray to plus infinity; r minus the line's total is the ray to minus infinity. Our sign
-/// counts +1 for leaving through a face in either direction.
+/// adds +1 for leaving through a face in either direction.
 template <bool kIsOneRay>
 size_t fillRow(const RayRow& row, size_t count, float* winding) {
   uint32_t doubtful = 0;

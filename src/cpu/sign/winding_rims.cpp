@@ -31,7 +31,7 @@
 namespace raymap::cpu {
 inline constexpr size_t kMostLanes = 16;
 inline constexpr double kMostClearance = RimShare().clearance;
-/// Shorter numbers count as 1, so that no product leaves the range of its type.
+/// Shorter numbers are taken as 1, so that no product leaves the range of its type.
 template <class T>
 inline constexpr double kShortest = sizeof(T) == sizeof(double) ? 1e-14 : 1e-2;
 
@@ -354,7 +354,7 @@ RimChange WindingRims::changeIn(const glm::dvec3& centre, double radius) const {
 /// Returns a bound on the gradient in a ball, without the factor 1 / 4 pi.
 double WindingRims::mostGradient(const glm::vec3& c, float reach) const {
   constexpr float kRounding = 1.0f + 1e-4f;
-  constexpr float kFar = 3.0f;  // Farther than so many times its radius, a group counts as a whole.
+  constexpr float kFar = 3.0f;  // Farther than so many times its radius, a group is taken as a whole.
   float sum = 0.0f;
   for (const Group& group : groups_) {
     const float near = glm::distance(group.centre, c) - group.radius * kRounding - reach;

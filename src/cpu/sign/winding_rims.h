@@ -48,7 +48,7 @@ class WindingRims {
 
   /// Returns how the winding number changes in a ball. The gradient follows the law of Biot and Savart. At a
   /// distance D from a rim of length l it is at most l / 4 pi D^2, and changes by at most 2 l / 4 pi D^3.
-  /// With many rims the slope is 0, and the first bound alone counts.
+  /// With many rims the slope is 0, and the first bound alone holds.
   RimChange changeIn(const glm::dvec3& centre, double radius) const;
 
   size_t count() const { return count_; }

@@ -81,7 +81,7 @@ class AnimatedReader {
           " with a skin but no JOINTS_0, or with JOINTS_0 but no skin: their node alone moves them");
     if (crowded_ > 0)
       file_.warnThat(counted(crowded_, "vertex") +
-                     " with more than four joints: the four that count most move them");
+                     " with more than four joints: the four of the largest weights move them");
     return morphs;
   }
 

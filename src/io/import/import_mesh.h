@@ -7,7 +7,7 @@
 
 namespace raymap {
 
-/// Reads a mesh with Assimp, in a child process (see Importer). `file` says how; its bytes do not count.
+/// Reads a mesh with Assimp, in a child process (see Importer). `file` says how; its bytes are ignored.
 Mesh importMesh(const SourceFile& source, std::string_view format, const MeshFile& file);
 
 }  // namespace raymap

@@ -9,7 +9,7 @@ namespace raymap {
 /// Words that begin a statement of a text STL.
 enum class StlWord { Solid, EndSolid, Facet, EndFacet, Outer, EndLoop, Vertex, Color, Other };
 
-/// Reads a word. Upper case counts as lower, `end solid` as `endsolid`, and a name may follow `solid` and
+/// Reads a word. Upper case is read as lower, `end solid` as `endsolid`, and a name may follow `solid` and
 /// `endsolid` without a space.
 StlWord readStlWord(TextScanner& text);
 

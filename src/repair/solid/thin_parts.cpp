@@ -124,7 +124,7 @@ class ThinParts {
 
   bool isThick(const Thickness& found) const { return double(found.diameter) >= limit(); }
 
-  /// If no least thickness was asked for, what the offset takes away does not come back, and sheets count
+  /// If no least thickness was asked for, what the offset takes away does not come back, and sheets are thin
   /// only where they are missed: the rims of holes are sheets that the solid shows well enough.
   bool isThin(const Thickness& found) const {
     if (found.part == Part::Sheet) return isAsked_;
@@ -200,7 +200,7 @@ class ThinParts {
   std::vector<FacePoint> points_;    // Of all parts of faces.
   Buffer<uint8_t> isDoubtful_;       // Whether each may be thin.
   std::vector<FacePoint> doubtful_;  // Those that may be.
-  std::vector<uint8_t> isCounted_;   // Whether the area of each counts as thin already.
+  std::vector<uint8_t> isCounted_;   // Whether the area of each is in the thin one already.
   std::vector<Thickness> thickness_;
   double area_ = 0.0, thinArea_ = 0.0;
 };

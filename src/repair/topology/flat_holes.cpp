@@ -94,7 +94,8 @@ class FlatHoles {
     flat_.push_back(flat);
   }
 
-  /// Finds the rims at parts that lie in their planes, too. They count as not flat: a face would double them.
+  /// Finds the rims at parts that lie in their planes, too. They are taken as not flat: a face would double
+  /// them.
   void findDepths() {
     std::vector<std::vector<size_t>> rimsOf(mesh_.vertices.size());
     std::vector<bool> isDeep(flat_.size());

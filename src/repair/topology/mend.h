@@ -23,7 +23,7 @@ bool crossesNowhere(const SelfIntersections& crossing);
 struct Mended {
   Mesh mesh = {};                     ///< The faces as given and in their order, then those that were added.
   std::vector<uint32_t> turned = {};  ///< Faces that were turned, ascending.
-  FilledHoles filled = {};            ///< Holes that were closed. A base counts as filling.
+  FilledHoles filled = {};            ///< Holes that were closed. Those of a base, too.
   bool isRight = false;               ///< Whether nothing is wrong with it now, so its faces can be kept.
 
   bool isChanged() const { return !turned.empty() || filled.faces > 0; }

@@ -134,7 +134,7 @@ void WorkCounter::State::harvestWork() {
   pending.clear();
 }
 
-/// The entries of Vulkan's function table that count.
+/// The entries of Vulkan's function table that are counted.
 struct WorkCounter::Entries {
   static inline State* state = nullptr;
   static inline Entries* current = nullptr;

@@ -18,7 +18,7 @@ struct StageTime {
 /// Counts ticks on from timestamps that begin again at 0 when their bits are used up.
 class TickCounter {
  public:
-  /// `validBits`: the number of lowest bits that count, 1 to 64.
+  /// `validBits`: the number of lowest bits that are valid, 1 to 64.
   explicit TickCounter(uint32_t validBits) : mask_(~uint64_t{0} >> (64 - validBits)) {}
 
   /// Returns the ticks from the first timestamp to this one. It must be less than one round after the last

@@ -19,7 +19,7 @@ class OpenDevice final : public GpuDevice {
 
   void generate(const Job& job, Stats& stats) override {
     const size_t limit = job.machine.memoryLimit;
-    if (limit != 0) backend_.reset();  // What earlier runs left would count.
+    if (limit != 0) backend_.reset();  // What earlier runs left is part of it.
     device_.limitMemory(limit != 0 ? limit : UINT64_MAX);
     if (!backend_) backend_.emplace(device_);
     backend_->take(job);

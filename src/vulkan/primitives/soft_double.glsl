@@ -1,5 +1,5 @@
 // Double-precision numbers as 64-bit integers, for devices without them: IEEE 754 binary64, rounded to nearest
-// even like the CPU's. Operands must be finite. Numbers below the least normal one count as 0. A result that is
+// even like the CPU's. Operands must be finite. Numbers below the least normal one are taken as 0. A result that is
 // too large is infinite.
 
 #define Double uint64_t

@@ -266,7 +266,7 @@ NearSides Backend::nearSides() {
   return {.rises = rises, .wholeness = orientationStage().sides()};
 }
 
-/// Negates the values of reversed faces, because the host counts them as given.
+/// Negates the values of reversed faces, because the host has them as given.
 std::span<const float> Backend::measureRises(float farSides) {
   recordSides(farSides, SideMeasure::Rise);
   run();

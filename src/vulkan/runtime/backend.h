@@ -61,7 +61,7 @@ class Backend : public StageRecorder, private RecordingListener {
   /// Returns the times of the last run's stages by the device's clock.
   const std::vector<Stats::Stage>& stages() const { return stages_; }
   /// Returns the milliseconds by the device's clock from the uploaded mesh to the complete field. The host's
-  /// work in between counts, the transfers do not. 0 if the device has no timestamps.
+  /// work in between is included, the transfers are not. 0 if the device has no timestamps.
   double milliseconds() const { return fieldReady_ - meshReady_; }
 
  private:

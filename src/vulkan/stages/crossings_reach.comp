@@ -1,5 +1,5 @@
 // Finds the largest distance of triangle corners from sample (0, 0, 0) along an axis. Vertices without
-// triangles do not count.
+// triangles are ignored.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "vulkan/device/kernel.glsl"

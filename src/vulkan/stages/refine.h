@@ -6,8 +6,8 @@
 namespace raymap::vulkan {
 
 /// GPU twin of cpu/cells/refine.h. Computes every sample's distance, in sample units, to the triangles of its
-/// nearest occupied cell, over all levels. With `reach` 1 that cell's neighbours count, too. Also finds the
-/// closest of these triangles; among several, the lowest index.
+/// nearest occupied cell, over all levels. With `reach` 1 that cell's neighbours are used, too. Also finds
+/// the closest of these triangles; among several, the lowest index.
 class RefineStage {
  public:
   struct Fields {

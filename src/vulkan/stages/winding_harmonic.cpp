@@ -153,8 +153,8 @@ void WindingHarmonicStage::dispatch(Commands& commands, Kernel<WindingHarmonicPu
   report(commands, push.level, extent);
 }
 
-/// Reports the work on the two finest lattices, which is most of it. The rays before it count as a fifth of
-/// the stage, as on the CPU.
+/// Reports the work on the two finest lattices, which is most of it. The rays before it are taken as a fifth
+/// of the stage, as on the CPU.
 void WindingHarmonicStage::report(Commands& commands, uint32_t level, Extent extent) {
   constexpr double kShares[kExtents] = {1.0, 0.5, kRestrictShare, 0.0};
   constexpr double kRays = 0.2;

@@ -30,7 +30,7 @@ int ray(Ints rays, uint axis, ivec3 s, ivec3 dims) {
   return isInside(across, dims) ? rayFrom(rays, axis, dims, s) : 0;
 }
 
-// Returns what a ray along an axis meets from a point outside the grid. From beyond the line it counts the other
+// Returns what a ray along an axis meets from a point outside the grid. From beyond the line it takes the other
 // way.
 int rayOutside(Ints rays, uint axis, ivec3 s, ivec3 dims) {
   ivec3 before = s;

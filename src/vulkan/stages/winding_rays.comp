@@ -12,7 +12,7 @@ layout(push_constant, scalar) uniform Push { WindingRaysPush push; };
 shared uint doubtfulOfGroup;
 
 // Eq. 7: along each axis r is the ray to plus infinity, and r minus the line's total the ray to minus
-// infinity. With our sign, leaving through a face counts +1 both ways. Counts the sample if its rays
+// infinity. With our sign, leaving through a face is +1 both ways. Counts the sample if its rays
 // disagree.
 float windingOf(uint index, inout uint doubtful) {
   const uint nx = push.dims[0], ny = push.dims[1];

@@ -101,7 +101,7 @@ void WindingRimsStage::record(Commands& commands, const LatticeLines& rays, cons
     }
     commands.dispatch(listed_, compute, uint64_t{compute.count} * lanes_);
     visited += double(compute.count) + double(rimSamples(dims_, l));
-    constexpr double kRays = 0.2;  // The rays before it count as a fifth of the stage, as on the CPU.
+    constexpr double kRays = 0.2;  // The rays before it are taken as a fifth of the stage, as on the CPU.
     commands.report(kRays + (1.0 - kRays) * visited / all);
   }
 }
