@@ -19,7 +19,7 @@ namespace {
 
 constexpr const char* kDevicesFooter = R"(Examples:
   raymap devices
-  raymap devices --json | jq '.devices[] | select(.automatic)'
+  raymap devices --json | jq '.devices[] | select(.chosen_by_auto)'
   raymap devices --test                                 (every GPU)
   raymap devices --test vulkan:0
 
@@ -34,7 +34,7 @@ constexpr int kFailedTest = 9;
 
 void print(const DeviceList& list) {
   for (const DeviceInfo& device : list.devices) {
-    std::printf("%-10s %-5s %s\n", device.id.c_str(), device.automatic ? "auto" : "", device.name.c_str());
+    std::printf("%-10s %-5s %s\n", device.id.c_str(), device.chosenByAuto ? "auto" : "", device.name.c_str());
     if (device.threads > 0)
       std::printf("%16s %u threads, %s of memory left\n", "", device.threads,
                   sizeText(device.memory).c_str());

@@ -51,7 +51,7 @@ void addFieldOptions(Command& command, FieldArguments& arguments) {
 void finishFieldArguments(FieldArguments& arguments) {
   const SignMode sign = arguments.options.sign;
   const bool walksPaths = sign == SignMode::Paths || sign == SignMode::Evolution;
-  if (!walksPaths && (arguments.options.sampling != Sampling::Raymap || !arguments.offsets.empty()))
+  if (!walksPaths && (arguments.options.sampling != Sampling::Spread || !arguments.offsets.empty()))
     throw Error(ErrorCode::Usage, "--sampling and --offsets need --sign paths or evolution");
   if (!arguments.offsets.empty()) arguments.options.offsets = readOffsets(arguments.offsets);
   arguments.asked = arguments.options;

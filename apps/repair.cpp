@@ -53,7 +53,7 @@ void printNow(const std::string& text, ProgressLine& line) {
 RepairReport makeSolid(const Mesh& mesh, const RepairGrid& grid, const RepairArguments& arguments,
                        ProgressLine& line, StoredMesh& stored) {
   RepairOptions how = arguments.repair;
-  how.finish = [&](Mesh& result) {
+  how.roundResult = [&](Mesh& result) {
     stored = storeMesh(arguments.result, std::move(result),
                        {.recenter = arguments.units.recenter,
                         .unit = writtenUnit(arguments.units, named(arguments.mesh, arguments.format.input)),

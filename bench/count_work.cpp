@@ -188,7 +188,7 @@ std::vector<CountedCommand> count(const vulkan::DeviceOptions& where, const Mode
   // The lists of the paper's distances grow in the first run.
   for (int run = options.distance == DistanceMode::Exact ? 1 : 0; run < 2; ++run) {
     counter.clear();
-    backend.take({mesh, grid, options, progress, field});
+    backend.setJob({mesh, grid, options, progress, field});
     runPipeline(backend);
   }
   std::vector<CountedCommand> commands = counter.commands();
@@ -214,7 +214,7 @@ std::map<std::string, double> measureParts(const vulkan::DeviceOptions& where, c
   Progress progress;
   for (int run = 0; run < kMeasuredRuns; ++run) {
     timer.clear();
-    backend.take({mesh, grid, options, progress, field});
+    backend.setJob({mesh, grid, options, progress, field});
     runPipeline(backend);
     if (run == 0) continue;  // It allocates.
     std::map<std::string, double> times;
@@ -241,7 +241,7 @@ std::map<std::string, double> measure(const vulkan::DeviceOptions& where, const 
   Field field;
   Progress progress;
   for (int run = 0; run < kMeasuredRuns; ++run) {
-    backend.take({mesh, grid, options, progress, field});
+    backend.setJob({mesh, grid, options, progress, field});
     runPipeline(backend);
     if (run == 0) continue;  // It allocates.
     const auto keepLeast = [&](const std::string& name, double milliseconds) {

@@ -13,9 +13,9 @@ MODES = ("rays", "paths", "evolution", "harmonic")
 
 # Signs.
 
-SIGN_MODES = {"1 ray": ("ray", "raymap"), "6 rays": ("rays", "raymap"), "paths, 5 passes": ("paths", "raymap"),
-              "the same, paper's sampling": ("paths", "paper"), "evolution, 5 steps": ("evolution", "raymap"),
-              "its paper's sampling": ("evolution", "paper"), "harmonic": ("harmonic", "raymap")}  # fmt: skip
+SIGN_MODES = {"1 ray": ("ray", "spread"), "6 rays": ("rays", "spread"), "paths, 5 passes": ("paths", "spread"),
+              "the same, paper's sampling": ("paths", "paper"), "evolution, 5 steps": ("evolution", "spread"),
+              "its paper's sampling": ("evolution", "paper"), "harmonic": ("harmonic", "spread")}  # fmt: skip
 PUBLISHED = ("common3d__beetle.obj", "common3d__teapot.obj", "trimesh__suzanne.ply", "libigl__truck.obj",
              "meshlab__greek_helmet.obj", "geogram__SaraPezzini.obj", "fast-winding-n__pig-head.ply", "assimp__Wuson.stl",
              "mitsuba-data__bunny_lowres.ply", "meshlab__many_small_holes.ply", "odedstein__demosthenes-low-res.obj",

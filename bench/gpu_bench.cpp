@@ -85,7 +85,7 @@ Json runOnDevice(vulkan::Device& device, const Mesh& mesh, const Grid& grid, con
   Field field;
   Json report = measure([&]() -> Run {
     Progress progress;
-    backend.take({model, grid, options, progress, field});
+    backend.setJob({model, grid, options, progress, field});
     runPipeline(backend);
     backend.readResults();
     return {backend.milliseconds(), backend.stages()};

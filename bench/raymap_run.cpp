@@ -19,7 +19,7 @@ void runRaymapWinding(const Case& input, Buffer<float>& values) {
   Field field;
   withThreads(input.threads, [&] {
     cpu::Backend backend;
-    backend.take({model, input.grid, options, progress, field});
+    backend.setJob({model, input.grid, options, progress, field});
     backend.begin();
     // Without distances every sample counts as close to the surface, so the dipoles settle more of them.
     std::fill(field.distance.begin(), field.distance.end(), 0.0f);

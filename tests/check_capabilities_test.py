@@ -19,7 +19,7 @@ namespace raymap {
 /// A mesh; `notThere(1)` is only mentioned.
 struct Mesh {
   std::vector<glm::vec3> vertices = {};
-  std::function<void(Mesh&)> finish = {};
+  std::function<void(Mesh&)> roundResult = {};
 };
 enum class Kind : uint8_t { Open, Closed };
 struct Options {

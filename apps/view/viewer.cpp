@@ -49,8 +49,8 @@ void turnWrongFaces(Content& content, const FieldOptions& options, const Machine
 }
 
 /// A mesh or field in the window, and the objects of the device and of other threads that belong to it.
-struct Shown {
-  Shown(Content given, const Gpu& gpu, bool isOnDevice, const MachineOptions& machine)
+struct ContentInWindow {
+  ContentInWindow(Content given, const Gpu& gpu, bool isOnDevice, const MachineOptions& machine)
       : content(std::move(given)),
         mesh(content.isField() ? nullptr : std::make_unique<DeviceMesh>(gpu, content)),
         field(gpu, content, mesh.get(), isOnDevice, machine),
@@ -105,11 +105,11 @@ class Viewer {
   }
   /// Returns whether time stands still until a picture is as fine as it will be.
   bool isStill() const { return isPictureWanted_ || recorder_; }
-  Shown& shown() const { return *shapes_[options_.state.isSecondShown ? 1 : 0]; }
+  ContentInWindow& shown() const { return *shapes_[options_.state.isSecondShown ? 1 : 0]; }
   /// Returns the shape that is not shown; null if there is only one.
-  Shown* other() const { return shapes_[options_.state.isSecondShown ? 0 : 1].get(); }
+  ContentInWindow* other() const { return shapes_[options_.state.isSecondShown ? 0 : 1].get(); }
   /// Returns the shape whose difference is in colour; null if none is.
-  Shown* compared() const { return options_.state.isDifferenceShown ? other() : nullptr; }
+  ContentInWindow* compared() const { return options_.state.isDifferenceShown ? other() : nullptr; }
   const Content& content() const { return shown().content; }
   Defects& defects() { return defects_[options_.state.isSecondShown ? 1 : 0]; }
   const Defects& defects() const { return defects_[options_.state.isSecondShown ? 1 : 0]; }
@@ -119,7 +119,7 @@ class Viewer {
     return shown().field.isCurrent() && (!compared() || compared()->field.isCurrent()) && !defects().isBusy();
   }
 
-  using Shapes = std::array<std::unique_ptr<Shown>, 2>;
+  using Shapes = std::array<std::unique_ptr<ContentInWindow>, 2>;
   Shapes load(const fs::path& first, const fs::path& second);
   Content loadContent(const fs::path& path);
   void show(const fs::path& first, const fs::path& second, bool isSameView);
@@ -241,7 +241,7 @@ Content Viewer::loadContent(const fs::path& path) {
 Viewer::Shapes Viewer::load(const fs::path& first, const fs::path& second) {
   const bool isOnDevice = makesFieldsOnDevice(gpu_, options_.machine.device);
   const auto prepared = [&](Content& content) {
-    return std::make_unique<Shown>(std::move(content), gpu_, isOnDevice, options_.machine);
+    return std::make_unique<ContentInWindow>(std::move(content), gpu_, isOnDevice, options_.machine);
   };
   Content content = loadContent(first);
   if (second.empty()) return {prepared(content), nullptr};
@@ -461,7 +461,7 @@ void Viewer::draw(Frame& frame, uint32_t image) {
   // fields on one grid.
   const bool mayMove = !state.slice.isOn && now.iso <= 0.0 && !compared();
   bool isNew = false;
-  for (Shown* each : {&shown(), compared()}) {
+  for (ContentInWindow* each : {&shown(), compared()}) {
     if (!each) continue;
     if (each->mesh) each->mesh->record(frame, state.seconds);
     const bool isRemade = each->field.record(frame, state.field, state.seconds, isMoving_, mayMove);

@@ -31,10 +31,10 @@ struct DeviceInfo {
   uint32_t subgroupSize = 0;            ///< Usual number of invocations per subgroup; 0 for the CPU.
   uint32_t minSubgroupSize = 0;         ///< Fewest that a kernel may have.
   uint32_t maxSubgroupSize = 0;         ///< Most that a kernel may have.
-  std::string identity = {};  ///< Differs for every device and version of a driver; empty for the CPU.
+  std::string fingerprint = {};  ///< Differs for every device and version of a driver; empty for the CPU.
   DeviceTestState test = DeviceTestState::Untested;  ///< Outcome of the last test of a GPU.
   std::string testProblem = {};  ///< First difference, or the check in which the test ended; empty if passed.
-  bool automatic = false;        ///< Whether the device "auto" is this one. It tests a GPU first.
+  bool chosenByAuto = false;     ///< Whether the device "auto" is this one. It tests a GPU first.
 };
 
 /// One check of a GPU: a stage, or whole fields.

@@ -14,8 +14,9 @@ namespace raymap {
 /// All devices of this machine.
 struct DeviceList {
   std::vector<DeviceInfo> devices = {};  ///< The CPU first, then Vulkan's devices in its order.
-  std::optional<size_t> best = {};       ///< Index of the one that "vulkan" takes; none if none is usable.
-  std::string note = {};                 ///< Reason why there is no Vulkan device; empty if there is one.
+  std::optional<size_t> vulkanDefault =
+      {};                 ///< Index of the one that "vulkan" takes; none if none is usable.
+  std::string note = {};  ///< Reason why there is no Vulkan device; empty if there is one.
 };
 
 /// Returns all values that `MachineOptions::device` accepts, with what is behind them. Asks every Vulkan

@@ -131,7 +131,7 @@ void forEachOption(OptionsOf<SamplePointsOptions> auto& options, auto&& use) {
   use(OptionName{"normalize"}, options.normalize);
   use(OptionName{"unit", "LENGTH", kFromZero}, options.unit);
   use(OptionName{"in_cube"}, options.inCube);
-  use(OptionName{"reach", "LENGTH", kFromZero}, options.reach);
+  use(OptionName{"radius", "LENGTH", kFromZero}, options.radius);
 }
 
 void forEachOption(OptionsOf<IsosurfaceOptions> auto& options, auto&& use) {

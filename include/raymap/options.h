@@ -32,7 +32,7 @@ enum class SignMode {
 enum class Sampling {
   /// Points spread over a box around the sample, with sides of 3/16 of the grid's. `Paths` has one a pass,
   /// `Evolution` four a step. The winding number outside the grid is 0.
-  Raymap,
+  Spread,
   /// The eight diagonal neighbours, twice as far in each further pass or step: the paper's example. Outside
   /// the grid it is the mean of the point's six rays (Eq. 7).
   Paper
@@ -51,15 +51,17 @@ struct FieldOptions {
   /// Distance to the closest triangle: `exact`, or the faster approximations `neighbours`, `cell` and
   /// `raster`.
   DistanceMode distance = DistanceMode::Exact;
-  /// Method that decides inside and outside: `harmonic`, `exact`, `paths`, `evolution`, `rays`, `ray`, or
-  /// `none` for distances without a sign.
+  /// Method that decides inside and outside: `harmonic`, by one ray and the edges of holes, or by the
+  /// smoothest field that fits all rays; `exact`, `paths`, `evolution`, `rays`, `ray`, or `none` for
+  /// distances without a sign.
   SignMode sign = SignMode::Harmonic;
   /// Whether faces that point the wrong way are reversed: `auto`, if the field then fits clearly better;
   /// `keep`, never; `repair`, whenever it fits no worse.
   Orientation orientation = Orientation::Auto;
   int passes = 5;  ///< Number of passes of the sign `paths`, or of steps of `evolution`.
-  /// Offset points of the signs `paths` and `evolution`: `raymap`, or `paper` for those of the paper.
-  Sampling sampling = Sampling::Raymap;
+  /// Offset points of the signs `paths` and `evolution`: `spread` over a box around the sample, or `paper`
+  /// for those of the paper.
+  Sampling sampling = Sampling::Spread;
   /// Offset points of `paths` and `evolution` in samples, used in turn, in place of those of `sampling`.
   std::vector<glm::ivec3> offsets = {};
   double threshold = 0.5;  ///< A point is inside if |winding number| exceeds this.
@@ -103,8 +105,10 @@ struct Stats {
   std::vector<uint32_t> leftOutFaces = {};
   /// Lowest face of each part that was reversed because it is inside out and crosses others, ascending.
   std::vector<uint32_t> invertedParts = {};
-  double misfitGiven = 0.0;  ///< Disagreement of the crossings of the given mesh, 0 to 1; 0 if not examined.
-  double misfit = 0.0;       ///< The same with `turnedFaces` reversed and without `leftOutFaces`.
+  /// Misfit of the given mesh, 0 to 1: how badly the crossings of rays contradict each other. 0 if one field
+  /// explains them all, or if it was not examined.
+  double misfitGiven = 0.0;
+  double misfit = 0.0;  ///< The same with `turnedFaces` reversed and without `leftOutFaces`.
   bool orientationFits =
       true;  ///< False if the faces were examined, but no choice has a misfit of at most 0.5.
   size_t patchTriangles = 0;  ///< Number of triangles of the surface that closes holes.

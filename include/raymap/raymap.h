@@ -19,6 +19,7 @@
 #include <raymap/machine.h>
 #include <raymap/memory.h>
 #include <raymap/mesh.h>
+#include <raymap/mesh_thickness.h>
 #include <raymap/mesh_view.h>
 #include <raymap/names.h>
 #include <raymap/narrow_band.h>
@@ -36,7 +37,6 @@
 #include <raymap/scene.h>
 #include <raymap/simplify.h>
 #include <raymap/surface.h>
-#include <raymap/thickness.h>
 #include <raymap/threads.h>
 #include <raymap/verdict.h>
 #include <raymap/version.h>

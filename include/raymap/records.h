@@ -10,11 +10,11 @@
 #include <raymap/devices.h>
 #include <raymap/diagnostics.h>
 #include <raymap/generate_file.h>
+#include <raymap/mesh_thickness.h>
 #include <raymap/names.h>
 #include <raymap/options.h>
 #include <raymap/render.h>
 #include <raymap/repair.h>
-#include <raymap/thickness.h>
 #include <raymap/verdict.h>
 #include <raymap/warning.h>
 
@@ -211,7 +211,7 @@ void forEachMember(const DeviceInfo& device, auto&& use) {
   use("id", device.id);
   use("name", device.name);
   use("type", device.type);
-  use("automatic", device.automatic);
+  use("chosen_by_auto", device.chosenByAuto);
   use("driver", device.driver);
   use("threads", device.threads);
   use("memory", device.memory);
@@ -221,7 +221,7 @@ void forEachMember(const DeviceInfo& device, auto&& use) {
   use("subgroup_size", device.subgroupSize);
   use("min_subgroup_size", device.minSubgroupSize);
   use("max_subgroup_size", device.maxSubgroupSize);
-  use("identity", device.identity);
+  use("fingerprint", device.fingerprint);
   use("test", device.test);
   use("test_problem", device.testProblem);
 }

@@ -53,7 +53,7 @@ struct RepairOptions {
   /// number, and `tolerance` limits it. Faces that could be kept are simplified, too.
   size_t triangles = 0;
   /// Called with the result before it is measured, for example to round it as a file does.
-  std::function<void(Mesh&)> finish = {};
+  std::function<void(Mesh&)> roundResult = {};
   /// Whether to measure both meshes and how far they deviate; takes longer. Without, nothing in the report is
   /// set that compares the meshes or tells what is wrong with them.
   bool measure = true;

@@ -24,7 +24,7 @@ struct SamplePointsOptions {
   /// radius; 0 = as `normalize` says.
   double unit = 0.0;
   bool inCube = false;  ///< Whether to choose the points all around from a cube instead of a ball.
-  double reach = 0.0;   ///< Radius of that ball, half a side of that cube; 0 = the bounding sphere's radius.
+  double radius = 0.0;  ///< Radius of that ball, half a side of that cube; 0 = the bounding sphere's radius.
 };
 
 /// Points with signed distances: those on the surface, then those near it, then those in the bounding sphere.

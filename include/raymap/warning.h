@@ -13,7 +13,7 @@ enum class WarningCode {
   DeviceRefused,      ///< The device "auto" is the CPU, because the GPU did not pass its test: `device`.
   DeviceFailed,       ///< The device "auto" is the CPU, because the GPU failed at the work: `device`.
   OrientationMisfit,  ///< No directions of the faces fit the crossings, so signs may be wrong. `share` is the
-                      ///< misfit, which may exceed 1.
+                      ///< misfit (`Stats::misfit`), which may exceed 1.
   PartsInsideOut,     ///< `count` parts are inside out and cross others. The sign reverses them.
   BoxReached,         ///< The solid reaches the grid's box, and was closed there.
   SolidLost,    ///< `share` of the mesh's area is lost, and most of it bounds parts of the solid. `voxelSize`
@@ -47,7 +47,7 @@ struct WarningFields {
   std::string file = {};    ///< Path of the file that was read or written.
   std::string device = {};  ///< Device that was not used, such as "vulkan:0".
   size_t count = 0;         ///< Number of parts, cavities, hollows or holes.
-  double share = 0.0;       ///< Share of the whole, 0 to 1, or a misfit.
+  double share = 0.0;       ///< Share of the whole, 0 to 1, or a misfit (`Stats::misfit`).
   double length = 0.0;      ///< Length in the mesh's units.
   double volume = 0.0;      ///< Volume in the mesh's units cubed.
   double voxelSize = 0.0;   ///< Distance between samples that helps, in the mesh's units.

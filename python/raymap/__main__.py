@@ -100,7 +100,7 @@ def _add_dataset(parser: argparse.ArgumentParser) -> None:
     add("--distance", choices=get_args(DistanceMode), help="source of the magnitude (exact)")
     add("--sign", choices=get_args(SignMode), help="method that decides inside and outside (harmonic)")
     add("--passes", type=int, metavar="P", help="passes of --sign paths, or steps of evolution (5)")
-    add("--sampling", choices=get_args(Sampling), help="offset points of --sign paths and evolution (raymap)")
+    add("--sampling", choices=get_args(Sampling), help="offset points of --sign paths and evolution (spread)")
     add("--threshold", type=float, metavar="W", help="a sample is inside if its winding number exceeds this (0.5)")
     add("--invert", action="store_true", help="inside is positive instead of negative")
     add("--close-holes", action="store_true", help="distances count the surface that is missing in holes")

@@ -32,7 +32,7 @@ Band = float | tuple[float, float] | None
 _DENSE_ONLY: dict[str, Any] = {
     "distance": "exact",
     "passes": 5,
-    "sampling": "raymap",
+    "sampling": "spread",
     "offsets": None,
     "invert": False,
     "close_holes": False,

@@ -80,7 +80,7 @@ def generate(
     sign: SignMode = "harmonic",
     orientation: Orientation = "auto",
     passes: int = 5,
-    sampling: Sampling = "raymap",
+    sampling: Sampling = "spread",
     offsets: npt.ArrayLike | None = None,
     threshold: float = 0.5,
     invert: bool = False,
@@ -127,13 +127,14 @@ def generate(
             ``field.denormalized()`` undoes it.
         distance: Distance to the closest triangle: ``"exact"``, or the faster approximations ``"neighbours"``,
             ``"cell"`` and ``"raster"``.
-        sign: Method that decides inside and outside: ``"harmonic"``, ``"exact"``, ``"paths"``, ``"evolution"``,
-            ``"rays"``, ``"ray"``, or ``"none"`` for distances without a sign.
+        sign: Method that decides inside and outside: ``"harmonic"``, by one ray and the edges of holes, or by the
+            smoothest field that fits all rays; ``"exact"``, ``"paths"``, ``"evolution"``, ``"rays"``, ``"ray"``, or
+            ``"none"`` for distances without a sign.
         orientation: Whether faces that point the wrong way are reversed: ``"auto"``, if the field then fits clearly
             better; ``"keep"``, never; ``"repair"``, whenever it fits no worse.
         passes: Number of passes of the sign ``"paths"``, or of steps of ``"evolution"``.
-        sampling: Offset points of the signs ``"paths"`` and ``"evolution"``: ``"raymap"``, or ``"paper"`` for those of
-            the paper.
+        sampling: Offset points of the signs ``"paths"`` and ``"evolution"``: ``"spread"`` over a box around the sample,
+            or ``"paper"`` for those of the paper.
         offsets: Offset points of ``"paths"`` and ``"evolution"`` in samples, used in turn, in place of those of
             ``sampling``.
         threshold: A point is inside if |winding number| exceeds this.

@@ -95,7 +95,7 @@ Remedy = Literal[
 ]
 
 Sampling = Literal[
-    "raymap",
+    "spread",
     "paper",
 ]
 
@@ -278,7 +278,8 @@ class Stats(TypedDict):
     inverted_parts: npt.NDArray[np.uint32]
     """Lowest face of each part that was reversed because it is inside out and crosses others, ascending."""
     misfit_given: float
-    """Disagreement of the crossings of the given mesh, 0 to 1; 0 if not examined."""
+    """Misfit of the given mesh, 0 to 1: how badly the crossings of rays contradict each other. 0 if one field explains
+    them all, or if it was not examined."""
     misfit: float
     """The same with ``turned_faces`` reversed and without ``left_out_faces``."""
     orientation_fits: bool
@@ -397,7 +398,7 @@ class WarningFields(TypedDict):
     count: int
     """Number of parts, cavities, hollows or holes."""
     share: float
-    """Share of the whole, 0 to 1, or a misfit."""
+    """Share of the whole, 0 to 1, or a misfit (``misfit``)."""
     length: float
     """Length in the mesh's units."""
     volume: float
@@ -493,7 +494,7 @@ class DeviceInfo(TypedDict):
     """Name of the processor or GPU."""
     type: DeviceType
     """Kind of the device."""
-    automatic: bool
+    chosen_by_auto: bool
     """Whether the device "auto" is this one. It tests a GPU first."""
     driver: str
     """Name and version of the driver; empty for the CPU."""
@@ -513,7 +514,7 @@ class DeviceInfo(TypedDict):
     """Fewest that a kernel may have."""
     max_subgroup_size: int
     """Most that a kernel may have."""
-    identity: str
+    fingerprint: str
     """Differs for every device and version of a driver; empty for the CPU."""
     test: DeviceTestState
     """Outcome of the last test of a GPU."""

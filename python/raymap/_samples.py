@@ -66,13 +66,13 @@ class Mixture:
     def lengths(self, surface: Surface) -> tuple[float, float]:
         """Returns the length of the mesh that becomes 1, and that from the centre to the region's end; 0 = the default."""
         is_box = self.normalization in ("cube", "unit") or (self.normalization is None and self.region == "cube")
-        unit, reach = 0.0, 0.0
+        unit, radius = 0.0, 0.0
         if self.normalization in ("cube", "unit") or self.margin != 1.0:
             unit = self.margin / frame_of(surface.mesh, self.normalization).scale
         if is_box or self.padding > 0.0 or self.margin != 1.0:
             half = 1.0 / frame_of(surface.mesh, "cube" if is_box else "sphere").scale
-            reach = half * self.margin * (1.0 + 2.0 * self.padding)
-        return unit, reach
+            radius = half * self.margin * (1.0 + 2.0 * self.padding)
+        return unit, radius
 
 
 def to_mixture(
@@ -237,8 +237,8 @@ def choose(
     progress: Progress = None,
 ) -> Samples:
     """Chooses points. ``lengths`` are those of the mixture and the surface."""
-    unit, reach = lengths
-    options = core_options(mixture.options(count, seed), unit=unit, reach=reach, threads=threads)
+    unit, radius = lengths
+    options = core_options(mixture.options(count, seed), unit=unit, radius=radius, threads=threads)
     with reporting(progress) as report:
         points, distance, gradient, centre, scale = _raymap.sample_points(core_of_surface(surface), options, report)
     return Samples(points, distance, gradient, np.array(centre), scale)

@@ -1,5 +1,5 @@
+#include <raymap/mesh_thickness.h>
 #include <raymap/simplify.h>
-#include <raymap/thickness.h>
 
 #include "call.h"
 #include "records.h"

@@ -359,7 +359,7 @@ def test_a_gpu_makes_nearly_the_same_field(large_ball):
 def test_devices():
     found = raymap.devices()
     assert found[0]["id"] == "cpu" and found[0]["type"] == "cpu" and found[0]["memory"] > 0
-    assert sum(device["automatic"] for device in found) == 1
+    assert sum(device["chosen_by_auto"] for device in found) == 1
     with pytest.raises(raymap.UsageError):
         raymap.test_device("cpu")
 

@@ -35,8 +35,8 @@ std::string keyOf(const DeviceInfo& device) {
   char kernels[20];
   std::snprintf(kernels, sizeof kernels, "%016llx",
                 static_cast<unsigned long long>(gpuPlugIn()->kernelHash()));
-  std::string key = std::string(version().text) + " " + kernels + " " + device.identity + " " + device.name +
-                    " " + device.driver;
+  std::string key = std::string(version().text) + " " + kernels + " " + device.fingerprint + " " +
+                    device.name + " " + device.driver;
   std::ranges::replace(key, '\n', ' ');
   return key;
 }

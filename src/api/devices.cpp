@@ -45,7 +45,8 @@ void addGpus(DeviceList& list) {
     gpu.test = record.state;
     gpu.testProblem = record.problem;
     const size_t number = list.devices.size();
-    if (gpu.problem.empty() && (!list.best || gpu.type < list.devices[*list.best].type)) list.best = number;
+    if (gpu.problem.empty() && (!list.vulkanDefault || gpu.type < list.devices[*list.vulkanDefault].type))
+      list.vulkanDefault = number;
     list.devices.push_back(std::move(gpu));
   }
 }
@@ -73,7 +74,7 @@ DeviceList devices() {
   } catch (const Error& error) {
     list.note = error.what();
   }
-  list.devices[automaticOf(list.devices)].automatic = true;
+  list.devices[automaticOf(list.devices)].chosenByAuto = true;
   return list;
 }
 
@@ -103,7 +104,7 @@ DeviceName parse(const std::string& name) {
 
 /// Returns the index in the list of a device that is not the CPU.
 size_t indexOf(const DeviceName& asked, const DeviceList& list, const std::string& name) {
-  const size_t index = asked.index ? *asked.index + 1 : list.best.value_or(list.devices.size());
+  const size_t index = asked.index ? *asked.index + 1 : list.vulkanDefault.value_or(list.devices.size());
   requireUsable(list, index, name);
   return index;
 }

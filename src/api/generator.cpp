@@ -14,7 +14,7 @@
 #include "mesh/model.h"
 #include "method/check_options.h"
 #include "method/far_field.h"
-#include "method/thickness.h"
+#include "method/plate.h"
 
 namespace raymap {
 
@@ -45,12 +45,12 @@ struct Generator::Impl {
   ChosenDevice device;
   Model model;
 
-  const Model& take(const MeshView& view, size_t memoryLimit) {
+  const Model& pack(const MeshView& view, size_t memoryLimit) {
     if (view.triangleCount == 0)
       throw Error(ErrorCode::Input,
                   "the mesh has no triangles; allow empty meshes for a field that is far everywhere");
     if (memoryLimit > 0) checkFieldMemory(Model::bytesNeeded(view), memoryLimit);
-    model.take(view);
+    model.pack(view);
     validate(model);
     return model;
   }
@@ -77,7 +77,7 @@ Stats Generator::generate(const MeshView& view, const Grid& grid, const FieldOpt
       return stats;
     }
     const FieldOptions options = asked.thickness > 0.0 ? withoutThickness(asked, grid) : asked;
-    const Model& mesh = notMoved(impl_).take(view, machine.memoryLimit);
+    const Model& mesh = notMoved(impl_).pack(view, machine.memoryLimit);
     const auto onGpu = [&](GpuDevice& gpu, size_t number) {
       Progress progress(machine.progress);
       withThreads(machine.threads, [&] {

@@ -33,8 +33,8 @@ struct Names<SignMode> {
 template <>
 struct Names<Sampling> {
   static constexpr std::string_view kKind = "sampling";
-  static constexpr std::array kValues{Sampling::Raymap, Sampling::Paper};
-  static constexpr std::array<std::string_view, 2> kNames{"raymap", "paper"};
+  static constexpr std::array kValues{Sampling::Spread, Sampling::Paper};
+  static constexpr std::array<std::string_view, 2> kNames{"spread", "paper"};
 };
 
 template <>

@@ -31,7 +31,7 @@ constexpr size_t kFacesPerTask = 1024;
 
 }  // namespace
 
-void Backend::take(const Job& job, std::optional<Frames> frames) {
+void Backend::setJob(const Job& job, std::optional<Frames> frames) {
   // Few samples read few leaves, and most of those once.
   constexpr size_t kFewSamples = 4;  // Per triangle, the share of one.
   const bool areFew = kFewSamples * job.grid.sampleCount() < job.mesh.triangles.size();
@@ -40,7 +40,7 @@ void Backend::take(const Job& job, std::optional<Frames> frames) {
 }
 
 Stats Backend::run(const Job& job, std::optional<Frames> frames) {
-  take(job, frames);
+  setJob(job, frames);
   checkFieldMemory(mesh().bytes() + bytesNeeded(), mostBytes());
   withThreads(job.machine.threads, [&] { runPipeline(*this); });
   Stats stats;

@@ -24,7 +24,7 @@ class Backend {
 
   /// Sets the job of the next run. Without `frames`, the numbers of samples and triangles decide where the
   /// tree has them.
-  void take(const Job& job, std::optional<Frames> frames = {});
+  void setJob(const Job& job, std::optional<Frames> frames = {});
   /// Takes a job and runs all stages. Throws `Error(Memory)` if that may need more than the options allow.
   Stats run(const Job& job, std::optional<Frames> frames = {});
 

@@ -113,17 +113,18 @@ constexpr std::array<OptionText, 68> kTexts{{
      "Padding of the bounds on every side, as a share of their longest side; ignored with `bounds`."},
     {"passes",
      "Number of passes of the sign `paths`, or of steps of `evolution`."},
+    {"radius",
+     "Radius of that ball, half a side of that cube; 0 = the bounding sphere's radius."},
     {"range",
      "Least difference in the deepest colour, in the mesh's units; 0 = the spacing."},
-    {"reach",
-     "Radius of that ball, half a side of that cube; 0 = the bounding sphere's radius."},
     {"remesh",
      "Whether to make all faces from the field even if some could be kept."},
     {"resolution",
      "Samples along the longest side of the box; ignored with `voxel_size` or `shape`. By default 128; "
      "for a repair at least 256, chosen by the thinnest part."},
     {"sampling",
-     "Offset points of the signs `paths` and `evolution`: `raymap`, or `paper` for those of the paper."},
+     "Offset points of the signs `paths` and `evolution`: `spread` over a box around the sample, or "
+     "`paper` for those of the paper."},
     {"seed",
      "Another seed gives other points."},
     {"shape",
@@ -136,8 +137,9 @@ constexpr std::array<OptionText, 68> kTexts{{
      "Standard deviations of the offsets of points near the surface, as shares of the bounding sphere's "
      "radius. Each gets as many points."},
     {"sign",
-     "Method that decides inside and outside: `harmonic`, `exact`, `paths`, `evolution`, `rays`, `ray`, "
-     "or `none` for distances without a sign."},
+     "Method that decides inside and outside: `harmonic`, by one ray and the edges of holes, or by the "
+     "smoothest field that fits all rays; `exact`, `paths`, `evolution`, `rays`, `ray`, or `none` for "
+     "distances without a sign."},
     {"slice_plane",
      "Plane on which distances are drawn in the colours and with the lines of `render_slice`."},
     {"step",

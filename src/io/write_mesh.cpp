@@ -43,7 +43,7 @@ WritableMesh moved(const MeshView& view, const glm::dvec3& offset, Model& model)
   for (int axis = 0; axis < 3; ++axis)
     if (!std::isfinite(offset[axis])) throw Error(ErrorCode::Usage, "the offset of a mesh must be finite");
   validate(view);
-  model.take(view);
+  model.pack(view);
   WritableMesh mesh{model};
   mesh.origin -= offset;
   if (view.scalar != Scalar::Double) return mesh;

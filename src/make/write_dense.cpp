@@ -7,8 +7,7 @@
 
 namespace raymap {
 
-void writeDense(const std::filesystem::path& path, const Field& band,
-                const FieldWriteOptions& options) {
+void writeDense(const std::filesystem::path& path, const Field& band, const FieldWriteOptions& options) {
   constexpr size_t kManySamples = size_t{1} << 24;
   const std::string format = formatOf(path, options.format, fieldExtensions());
   if (!contains(slabExtensions(), format) || options.half || !options.gridName.empty())
@@ -21,9 +20,7 @@ void writeDense(const std::filesystem::path& path, const Field& band,
   add(FieldArray::Triangle, !band.triangle.empty());
   add(FieldArray::Winding, !band.winding.empty());
   add(FieldArray::Confidence, !band.confidence.empty());
-  const Field about{.grid = band.grid,
-                    .clampDistance = band.clamp(),
-                    .surfaceBounds = band.surfaceBounds};
+  const Field about{.grid = band.grid, .clampDistance = band.clamp(), .surfaceBounds = band.surfaceBounds};
   const auto slab = [&](int begin, int end) {
     return toDense(band, {{0, 0, begin}, {dims.x, dims.y, end - begin}});
   };

@@ -130,7 +130,7 @@ void requireShare(const char* name, double share) {
 }
 
 double reachOf(const SamplePointsOptions& options, const BoundingSphere& sphere) {
-  return options.reach > 0.0 ? options.reach : sphere.radius;
+  return options.radius > 0.0 ? options.radius : sphere.radius;
 }
 
 /// Returns the length of the mesh that becomes 1.
@@ -217,7 +217,7 @@ std::vector<size_t> samplePointCounts(const SamplePointsOptions& options) {
   for (const double sigma : options.sigmas)
     require(sigma >= 0.0 && std::isfinite(sigma),
             "sigma must be numbers from 0 on, not " + numberText(sigma));
-  for (const auto& [name, length] : {std::pair("unit", options.unit), {"reach", options.reach}})
+  for (const auto& [name, length] : {std::pair("unit", options.unit), {"radius", options.radius}})
     require(length >= 0.0 && std::isfinite(length),
             std::string(name) + " must be a length from 0 on, not " + numberText(length));
   const auto countOf = [&](double share) {

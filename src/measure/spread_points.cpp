@@ -1,7 +1,7 @@
 #include "measure/spread_points.h"
 
 #include <raymap/error.h>
-#include <raymap/thickness.h>
+#include <raymap/mesh_thickness.h>
 
 #include <algorithm>
 #include <cmath>

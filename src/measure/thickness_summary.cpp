@@ -1,4 +1,4 @@
-#include <raymap/thickness.h>
+#include <raymap/mesh_thickness.h>
 
 #include <algorithm>
 #include <cmath>

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <raymap/thickness.h>
+#include <raymap/mesh_thickness.h>
 
 namespace raymap {
 

@@ -202,7 +202,7 @@ size_t Model::bytesNeeded(const MeshView& view) {
   return isPacked(view) ? 0 : view.vertexCount * sizeof(glm::vec3) + view.triangleCount * sizeof(glm::uvec3);
 }
 
-void Model::take(const MeshView& view) {
+void Model::pack(const MeshView& view) {
   forget();
   if (isPacked(view)) {
     PackedMesh::operator=({{static_cast<const glm::vec3*>(view.vertices), view.vertexCount},
@@ -224,14 +224,14 @@ void Model::take(const MeshView& view) {
 }
 
 void Model::keep(const MeshView& view) {
-  take(view);
+  pack(view);
   if (isPacked(view))
     keep(Mesh{{vertices.begin(), vertices.end()}, {triangles.begin(), triangles.end()}, origin});
 }
 
 void Model::keep(Mesh&& mesh) {
   kept_ = std::move(mesh);
-  take(kept_);
+  pack(kept_);
 }
 
 size_t Model::bytes() const {

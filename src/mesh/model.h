@@ -18,17 +18,17 @@ namespace raymap {
 class Model : public PackedMesh {
  public:
   Model() = default;
-  explicit Model(const MeshView& view) { take(view); }
+  explicit Model(const MeshView& view) { pack(view); }
   Model(const Model&) = delete;
 
   /// Refers to the view's own arrays where they are packed already; converts others. Throws `Error(Input)`
   /// for a 64-bit index out of range, `Error(Unsupported)` for more vertices than 32 bits can number.
-  void take(const MeshView& view);
+  void pack(const MeshView& view);
   /// Does the same, but never refers to arrays of others.
   void keep(const MeshView& view);
   void keep(Mesh&& mesh);
 
-  /// Returns the bytes that `take` needs for a view.
+  /// Returns the bytes that `pack` needs for a view.
   static size_t bytesNeeded(const MeshView& view);
   /// Returns the bytes of its own arrays.
   size_t bytes() const;

@@ -14,7 +14,7 @@ constexpr double kBox = 3.0 / 16.0;
 // Offset points per pass or step. Evolution: with one point the field would nearly be that point's.
 constexpr int kSpreadPoints = 1, kSpreadPointsOfStep = 4, kNeighbours = 8;
 
-/// Returns a point of `Sampling::Raymap`. The points are an additive low-discrepancy sequence (Roberts
+/// Returns a point of `Sampling::Spread`. The points are an additive low-discrepancy sequence (Roberts
 /// 2018) over a box around the sample, so that any number of passes is well spaced.
 glm::ivec3 spreadOffset(int64_t point, const glm::ivec3& dims) {
   constexpr double kRoot = 1.2207440846057596;  // x^4 = x + 1

@@ -47,7 +47,7 @@ void keep(const Model& mesh, RepairRun& run) {
   if (options.triangles > 0 ? options.triangles < run.result.triangles.size()
                             : options.tolerance.value_or(0.0) > 0.0)
     simplifyResult(run, 0.0, 0.0);
-  if (options.finish) options.finish(run.result);
+  if (options.roundResult) options.roundResult(run.result);
   inspectResult(run);
 }
 

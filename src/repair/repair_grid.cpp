@@ -1,5 +1,5 @@
+#include <raymap/mesh_thickness.h>
 #include <raymap/repair.h>
-#include <raymap/thickness.h>
 #include <raymap/words.h>
 
 #include <algorithm>

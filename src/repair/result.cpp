@@ -79,7 +79,7 @@ void simplifyResult(RepairRun& run, double step, double tolerance) {
 
 void roundResult(RepairRun& run) {
   warnOfBounds(run);
-  if (run.options.finish) run.options.finish(run.result);
+  if (run.options.roundResult) run.options.roundResult(run.result);
 }
 
 void inspectResult(RepairRun& run) {

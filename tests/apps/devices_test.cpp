@@ -15,7 +15,7 @@ TEST_F(CliDevices, ListsDevices) {
   size_t automatic = 0;
   for (size_t i = 0; i < devices.size(); ++i) {
     EXPECT_EQ(devices[i]["id"], i == 0 ? "cpu" : "vulkan:" + std::to_string(i - 1));
-    if (devices[i]["automatic"]) {
+    if (devices[i]["chosen_by_auto"]) {
       ++automatic;
       EXPECT_EQ(devices[i]["problem"], "");
       EXPECT_NE(devices[i]["type"], "software");
@@ -62,7 +62,7 @@ TEST_F(CliDevices, SaysWhyThereIsNoGpu) {
   const Result result = run("devices --json", "VK_DRIVER_FILES=/nowhere VK_ICD_FILENAMES=/nowhere");
   EXPECT_EQ(result.code, 0) << result.err;
   const Json json = Json::parse(result.out);
-  EXPECT_EQ(json["devices"][0]["automatic"], true);
+  EXPECT_EQ(json["devices"][0]["chosen_by_auto"], true);
   EXPECT_EQ(json["devices"].size(), 1u);
   EXPECT_FALSE(json["note"].get<std::string>().empty());
 }

@@ -66,7 +66,7 @@ TEST_F(CliFieldOptions, SamplesCurvesAsAsked) {
   expectSame("--sign paths --sampling paper --passes 3 --offsets points.txt");
   EXPECT_EQ(json("s.json")["options"]["offsets"], Json({{3, -2, 1}, {-100, 0, 4}}));
   options.sign = SignMode::Evolution;
-  options.sampling = Sampling::Raymap;
+  options.sampling = Sampling::Spread;
   expectSame("--sign evolution --passes 3 --offsets points.txt");
 }
 

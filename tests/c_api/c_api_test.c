@@ -1071,7 +1071,7 @@ static void test_devices(void) {
   char* devices = raymap_devices_json();
   CHECK(strstr(devices, "\"id\": \"cpu\"") != NULL && number_in(devices, "0.threads") >= 1.0);
   int automatic = 0;
-  for (const char* at = devices; (at = strstr(at, "\"automatic\": true")) != NULL; ++at) ++automatic;
+  for (const char* at = devices; (at = strstr(at, "\"chosen_by_auto\": true")) != NULL; ++at) ++automatic;
   CHECK(automatic == 1);
   raymap_text_free(devices);
   CHECK_FAILS(raymap_devices_test("cpu"), RAYMAP_ERROR_USAGE, "cpu");

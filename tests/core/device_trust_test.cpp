@@ -42,7 +42,7 @@ class DeviceTrust : public testing::Test {
   void expectRefused(const std::vector<std::string>& texts) {
     EXPECT_FALSE(isUsed());
     for (const std::string& text : texts) EXPECT_TRUE(contains(warning_, text)) << text << " in " << warning_;
-    EXPECT_TRUE(devices().devices[0].automatic);
+    EXPECT_TRUE(devices().devices[0].chosenByAuto);
   }
   std::vector<fs::path> files() const {
     std::vector<fs::path> paths;
@@ -133,7 +133,7 @@ TEST_F(DeviceTrust, IsLostWithTheDevice) {
 
 TEST_F(DeviceTrust, EndsWithAnotherDriver) {
   EXPECT_TRUE(isUsed());
-  CountingGpu::identity += "1";
+  CountingGpu::fingerprint += "1";
   EXPECT_EQ(info().test, DeviceTestState::Untested);
   EXPECT_TRUE(isUsed());
   EXPECT_EQ(CountingGpu::tests, 2);
@@ -179,7 +179,7 @@ TEST_F(DeviceTrust, IsRememberedWhereNothingCanBeWritten) {
   std::ofstream(file) << "no folder";
   for (const std::string& cache : {std::string("off"), file.string()}) {
     const ScopedVariable variable("RAYMAP_CACHE", cache);
-    CountingGpu::identity += "1";
+    CountingGpu::fingerprint += "1";
     CountingGpu::tests = 0;
     for (int time = 0; time < 2; ++time) EXPECT_TRUE(isUsed());
     EXPECT_EQ(CountingGpu::tests, 1);

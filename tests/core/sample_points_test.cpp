@@ -276,8 +276,8 @@ TEST(SamplePoints, NeedASignAndAnArea) {
 TEST(SamplePoints, LieInTheRegionOfTheOptions) {
   const Surface surface(shapes::torus(2.0, 0.7, 20, 12));
   for (const bool inCube : {false, true}) {
-    const PointSamples samples =
-        samplePoints(surface, {.count = 4000, .nearShare = 0.0, .unit = 4.0, .inCube = inCube, .reach = 6.0});
+    const PointSamples samples = samplePoints(
+        surface, {.count = 4000, .nearShare = 0.0, .unit = 4.0, .inCube = inCube, .radius = 6.0});
     EXPECT_EQ(samples.scale, 0.25);
     size_t close = 0;
     double farthest = 0.0;
@@ -295,7 +295,7 @@ TEST(SamplePoints, LieInTheRegionOfTheOptions) {
     EXPECT_NEAR(double(close) / 4000.0, 0.125, 0.02);
   }
   EXPECT_EQ(codeOf([&] { samplePoints(surface, {.unit = -1.0}); }), ErrorCode::Usage);
-  EXPECT_EQ(codeOf([&] { samplePoints(surface, {.reach = INFINITY}); }), ErrorCode::Usage);
+  EXPECT_EQ(codeOf([&] { samplePoints(surface, {.radius = INFINITY}); }), ErrorCode::Usage);
 }
 
 }  // namespace

@@ -113,9 +113,9 @@ class EveryStage : public FrameBackend {
 
   void record(Sampling sampling) {
     options_.sampling = sampling;
-    take({.commands = nowhere_,
-          .mesh = {.vertexCount = extent().vertices, .triangleCount = extent().triangles}},
-         grid_, options_);
+    setFrame({.commands = nowhere_,
+              .mesh = {.vertexCount = extent().vertices, .triangleCount = extent().triangles}},
+             grid_, options_);
     runPipeline(*this);
   }
 
@@ -174,11 +174,11 @@ void makeKernels(Device& device) {
     return changed;
   };
   EveryStage usual(device, room);
-  usual.record(Sampling::Raymap);
+  usual.record(Sampling::Spread);
   usual.recordForHosts(EveryStage::hostExtent(room));
-  EveryStage(device, with(DistanceMode::Cell, SignMode::Rays)).record(Sampling::Raymap);
-  EveryStage(device, with(DistanceMode::Neighbours, SignMode::Ray, 8.0)).record(Sampling::Raymap);
-  EveryStage(device, with(DistanceMode::Raster, SignMode::Paths)).record(Sampling::Raymap);
+  EveryStage(device, with(DistanceMode::Cell, SignMode::Rays)).record(Sampling::Spread);
+  EveryStage(device, with(DistanceMode::Neighbours, SignMode::Ray, 8.0)).record(Sampling::Spread);
+  EveryStage(device, with(DistanceMode::Raster, SignMode::Paths)).record(Sampling::Spread);
   EveryStage(device, with(DistanceMode::Raster, SignMode::Evolution, 8.0)).record(Sampling::Paper);
   FieldImageStage(device).reserve(room.dims, VK_FORMAT_R16_SFLOAT);
   const SkinStage skins(device);

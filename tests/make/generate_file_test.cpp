@@ -180,9 +180,9 @@ TEST_F(GenerateFile, WritesNarrowBands) {
   EXPECT_EQ(report.plan.form, FieldForm::NarrowBand);
   generator.write();
   writeField(path("expected.nvdb"),
-            Surface(mesh_).generateBand(small_,
-                                        {.outside = 2.0, .inside = std::numeric_limits<double>::infinity()}),
-            {.gridName = "surface"});
+             Surface(mesh_).generateBand(small_,
+                                         {.outside = 2.0, .inside = std::numeric_limits<double>::infinity()}),
+             {.gridName = "surface"});
   EXPECT_TRUE(readBytes(path("f.nvdb")) == readBytes(path("expected.nvdb")));
 }
 

@@ -282,7 +282,7 @@ RunResult run(const Mesh& mesh, const Grid& grid, std::optional<Frames> frames) 
   RunResult result;
   const Model model(mesh);
   cpu::Backend backend;
-  backend.take({model, grid, options, progress, result.field}, frames);
+  backend.setJob({model, grid, options, progress, result.field}, frames);
   runPipeline(backend);
   result.bytes = backend.bytes();
   return result;

@@ -128,7 +128,7 @@ void expectTaken(const Mesh& mesh, const Turns& turns, bool isTreeThereBefore) {
   Field field;
   const Model model(mesh);
   cpu::Backend backend;
-  backend.take({model, grid, options, progress, field});
+  backend.setJob({model, grid, options, progress, field});
   backend.begin();
   if (isTreeThereBefore) backend.exactDistance();
   if (!turns.empty()) backend.turnFaces(turns);

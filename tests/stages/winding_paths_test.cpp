@@ -133,8 +133,8 @@ TEST(WindingPaths, SampleAsThePaper) {
 TEST(WindingPaths, TakeTheOffsetsInTurn) {
   const Case on = cube();
   const Points offsets{{3, -2, 1}, {0, 0, 5}, {-40, 1, 0}, {2, 2, -2}, {-1, 14, 0}};
-  for (const auto& [sign, sampling, perPass] : {std::tuple(SignMode::Paths, Sampling::Raymap, 1),
-                                                {SignMode::Evolution, Sampling::Raymap, 4},
+  for (const auto& [sign, sampling, perPass] : {std::tuple(SignMode::Paths, Sampling::Spread, 1),
+                                                {SignMode::Evolution, Sampling::Spread, 4},
                                                 {SignMode::Paths, Sampling::Paper, 8},
                                                 {SignMode::Evolution, Sampling::Paper, 8}}) {
     std::vector<Points> passes(2);
@@ -151,10 +151,10 @@ TEST(WindingPaths, SpreadTheirOwnOffsets) {
   const Case on = plank();
   for (const auto& [sign, perPass] : {std::pair(SignMode::Paths, 1), {SignMode::Evolution, 4}}) {
     std::vector<Points> passes(3);
-    FieldOptions options = optionsFor(passes, Sampling::Raymap, sign);
+    FieldOptions options = optionsFor(passes, Sampling::Spread, sign);
     for (int point = 0; point < 3 * perPass; ++point)
       passes[size_t(point / perPass)].push_back(offsetOf(options, point, on.grid.dims));
-    const Equations equations(on, Sampling::Raymap);
+    const Equations equations(on, Sampling::Spread);
     expectNear(on, options, sign == SignMode::Paths ? equations.paths(passes) : equations.evolution(passes));
   }
 }

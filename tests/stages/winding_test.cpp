@@ -80,7 +80,7 @@ TEST(Winding, SameForAnyNumberOfThreads) {
   const Mesh mesh = shapes::soup(500, 3);
   const Grid grid = fitGrid(mesh, {.resolution = 24});
   for (const SignMode mode : kModes)
-    for (const Sampling sampling : {Sampling::Raymap, Sampling::Paper}) {
+    for (const Sampling sampling : {Sampling::Spread, Sampling::Paper}) {
       const FieldOptions options{.sign = mode, .orientation = Orientation::Keep, .sampling = sampling};
       Buffer<float> first;
       withThreads(1, [&] { first = windingOf(mesh, grid, options).winding; });

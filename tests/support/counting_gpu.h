@@ -26,7 +26,7 @@ class CountingGpu {
     lists = opens = runs = tests = 0;
     onGenerate = {};
     onTest = {};
-    identity = "made for tests " + std::to_string(++made_);
+    fingerprint = "made for tests " + std::to_string(++made_);
     kernels = 1;
     plugIn({.list = list,
             .open = open,
@@ -44,7 +44,7 @@ class CountingGpu {
   /// Called by every test, which passes without it; it may throw.
   static inline std::function<void(const DeviceTestReport&)> onTest;
   /// Identity of all devices: another one in each test, so that no test of a device counts in the next.
-  static inline std::string identity;
+  static inline std::string fingerprint;
   /// Hash of the kernels.
   static inline uint64_t kernels;
 
@@ -72,7 +72,7 @@ class CountingGpu {
                         .name = "Counting GPU",
                         .type = DeviceType::Discrete,
                         .driver = "Counter 1.0",
-                        .identity = identity};
+                        .fingerprint = fingerprint};
       if (index != kUsable) devices[index].problem = "made for a test";
     }
     return devices;

@@ -75,7 +75,7 @@ class VulkanGenerator : public VulkanTest {
     const Model model(mesh);
     Field field;
     Progress progress;
-    backend.take({model, grid, options, progress, field});
+    backend.setJob({model, grid, options, progress, field});
     runPipeline(backend);
     backend.readResults();
     return field;

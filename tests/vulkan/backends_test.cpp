@@ -343,8 +343,8 @@ TEST_F(Backends, GiveTheSamePathsAndEvolution) {
   const Mesh mesh = holedSphere();
   const Grid grid = fitGrid(mesh, {.resolution = 20});
   FieldOptions options = everything();
-  for (const auto& [sign, sampling] : {std::pair(SignMode::Paths, Sampling::Raymap),
-                                       {SignMode::Evolution, Sampling::Raymap},
+  for (const auto& [sign, sampling] : {std::pair(SignMode::Paths, Sampling::Spread),
+                                       {SignMode::Evolution, Sampling::Spread},
                                        {SignMode::Paths, Sampling::Paper},
                                        {SignMode::Evolution, Sampling::Paper}}) {
     options.sign = sign;

@@ -48,7 +48,7 @@ TEST_F(VulkanWindingPaths, MatchTheCpu) {
     const RayMap map =
         rayMapOf(shapes::soup(200, 3), {.dims = dims, .origin = glm::dvec3(0.01), .spacing = 0.03});
     for (const SignMode sign : {SignMode::Paths, SignMode::Evolution})
-      for (const Sampling sampling : {Sampling::Raymap, Sampling::Paper})
+      for (const Sampling sampling : {Sampling::Spread, Sampling::Paper})
         for (const int passes : {0, 1, 2, 5, 9})
           expectTwins(map, {.sign = sign, .passes = passes, .sampling = sampling});
   }
@@ -57,7 +57,7 @@ TEST_F(VulkanWindingPaths, MatchTheCpu) {
 TEST_F(VulkanWindingPaths, TakeAnyOffsets) {
   const RayMap map = rayMapOf(shapes::soup(90, 8), {.dims = {12, 13, 14}, .spacing = 0.08});
   for (const SignMode sign : {SignMode::Paths, SignMode::Evolution})
-    for (const Sampling sampling : {Sampling::Raymap, Sampling::Paper})
+    for (const Sampling sampling : {Sampling::Spread, Sampling::Paper})
       expectTwins(
           map, {.sign = sign,
                 .passes = 7,

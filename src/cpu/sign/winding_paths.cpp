@@ -99,7 +99,7 @@ class OffsetValues {
     if (jInside && kInside) {
       const size_t line = size_t(k) * dims.y + j;
       for (int i = begin; i < end; ++i) row_[size_t(i)] = values_[line * dims.x + i + offset.x];
-      if (sampling_ == Sampling::Raymap) return row_;
+      if (sampling_ == Sampling::Spread) return row_;
       std::fill(row_.begin(), row_.begin() + begin, meanRay(0, line, true));
       std::fill(row_.begin() + end, row_.end(), meanRay(0, line, false));
     } else if (sampling_ == Sampling::Paper && jInside != kInside) {

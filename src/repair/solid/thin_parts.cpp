@@ -6,7 +6,7 @@
 // Only points where no ball of diameter T fits into the field can be thin. Most points of a body are not, and
 // are not measured.
 
-#include <raymap/thickness.h>
+#include <raymap/mesh_thickness.h>
 
 #include <algorithm>
 #include <utility>

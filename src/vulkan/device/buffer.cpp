@@ -47,7 +47,7 @@ void DeviceBuffer::release() {
 
 void DeviceBuffer::resizeBytes(uint64_t bytes) {
   if (scratch_) {
-    place_ = scratch_->take(bytes);
+    place_ = scratch_->reserveNext(bytes);
     size_ = bytes;
     return;
   }

@@ -44,11 +44,11 @@ void describeSubgroups(VkPhysicalDevice device, DeviceInfo& info) {
   char numbers[64];
   std::snprintf(numbers, sizeof numbers, "%x.%x.%x.%x-%u-%u-", basic.vendorID, basic.deviceID,
                 basic.driverVersion, basic.apiVersion, v13.minSubgroupSize, v13.maxSubgroupSize);
-  info.identity = numbers;
+  info.fingerprint = numbers;
   for (const auto& uuid : {v11.deviceUUID, v11.driverUUID})
     for (size_t i = 0; i < VK_UUID_SIZE; ++i) {
       std::snprintf(numbers, sizeof numbers, "%02x", uuid[i]);
-      info.identity += numbers;
+      info.fingerprint += numbers;
     }
 }
 

@@ -22,7 +22,7 @@ class ScratchMemory {
   size_t next() const { return next_; }
   /// Returns the next place, with at least `bytes` bytes. Its previous contents may move. The preconditions
   /// and errors are those of `DeviceBuffer::resize`.
-  size_t take(uint64_t bytes);
+  size_t reserveNext(uint64_t bytes);
   const DeviceBuffer& at(size_t place) const { return places_[place]; }
 
  private:

@@ -22,7 +22,7 @@ class OpenDevice final : public GpuDevice {
     if (limit != 0) backend_.reset();  // What earlier runs left is part of it.
     device_.limitMemory(limit != 0 ? limit : UINT64_MAX);
     if (!backend_) backend_.emplace(device_);
-    backend_->take(job);
+    backend_->setJob(job);
     runPipeline(*backend_);
     backend_->readResults();
     stats.stages = backend_->stages();

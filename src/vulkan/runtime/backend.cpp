@@ -47,7 +47,7 @@ Backend::Backend(Device& device)
   findings_.resize<Findings>(1);
 }
 
-void Backend::take(const Job& job) {
+void Backend::setJob(const Job& job) {
   job_.emplace(job);
   stages_.clear();
   openStage_ = nullptr;

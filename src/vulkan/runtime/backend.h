@@ -14,7 +14,7 @@ class Backend : public StageRecorder, private RecordingListener {
   explicit Backend(Device& device);
 
   /// Sets the input of the next run.
-  void take(const Job& job);
+  void setJob(const Job& job);
 
   /// Runs a stage, timed by both clocks.
   template <class Work>

@@ -24,7 +24,7 @@ void FrameBackend::reserve(const Room& room) {
   findings_.mapped<Findings>().front() = {};
 }
 
-void FrameBackend::take(const Frame& frame, const Grid& grid, const FieldOptions& options) {
+void FrameBackend::setFrame(const Frame& frame, const Grid& grid, const FieldOptions& options) {
   frame_ = frame;
   Results results = frame.results;
   if (results.distance == 0) results.distance = image_.distance();

@@ -23,7 +23,7 @@ class FrameBackend : public StageRecorder {
   /// Reserves capacities. All previously recorded work must have completed.
   void reserve(const Room& room);
   /// Sets what the next run of the pipeline records. Grid and options must live until then.
-  void take(const Frame& frame, const Grid& grid, const FieldOptions& options);
+  void setFrame(const Frame& frame, const Grid& grid, const FieldOptions& options);
 
   /// Records a frame without triangles: every sample has this distance.
   void recordFar(Commands commands, const Target& target, float distance);

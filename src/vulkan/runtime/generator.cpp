@@ -99,7 +99,7 @@ void Generator::Impl::makeKernels() {
 
 void Generator::Impl::record(const FrameBackend::Frame& frame, const Grid& grid,
                              const FieldOptions& options) {
-  backend.take(frame, grid, options);
+  backend.setFrame(frame, grid, options);
   runPipeline(backend);
 }
 

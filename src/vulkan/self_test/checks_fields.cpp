@@ -25,7 +25,7 @@ Made make(Backend& backend, const Mesh& mesh, const Grid& grid, const FieldOptio
   const Model model(mesh);
   Made made;
   Progress progress;
-  backend.take({model, grid, options, progress, made.field});
+  backend.setJob({model, grid, options, progress, made.field});
   runPipeline(backend);
   if constexpr (requires { backend.readResults(); }) backend.readResults();
   describeMesh(backend, grid, made.stats);

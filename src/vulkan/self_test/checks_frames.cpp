@@ -88,7 +88,7 @@ Field hostField(Backend& backend, const Mesh& mesh, const Grid& grid, const Fiel
   const Model model(mesh);
   Field field;
   Progress progress;
-  backend.take({model, grid, options, progress, field});
+  backend.setJob({model, grid, options, progress, field});
   runPipeline(backend);
   backend.readResults();
   return field;
@@ -105,16 +105,16 @@ DeviceBuffer texelsOf(const Probe& probe, FrameBackend& frames, VkFormat format,
   texels.resize<Texel>(grid.sampleCount());
   frames.reserve({.vertices = vertexCount, .triangles = triangleCount, .dims = grid.dims, .image = format});
   probe.run([&](Commands& commands) {
-    frames.take({.commands = commands,
-                 .mesh = {.positions = vertices.address(),
-                          .stride = 3,
-                          .triangles = triangles.address(),
-                          .vertexCount = vertexCount,
-                          .triangleCount = triangleCount,
-                          .origin = mesh.origin},
-                 .image = image.handle(),
-                 .imageLayout = VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL},
-                grid, options);
+    frames.setFrame({.commands = commands,
+                     .mesh = {.positions = vertices.address(),
+                              .stride = 3,
+                              .triangles = triangles.address(),
+                              .vertexCount = vertexCount,
+                              .triangleCount = triangleCount,
+                              .origin = mesh.origin},
+                     .image = image.handle(),
+                     .imageLayout = VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL},
+                    grid, options);
     runPipeline(frames);
     image.recordCopy(commands, texels);
   });

@@ -120,7 +120,7 @@ void checkPaths(Subject& subject) {
   for (const glm::ivec3 dims : {glm::ivec3(21, 13, 17), glm::ivec3(1, 9, 30)}) {
     const cpu::RayMap map = rayMapOf(soupIn(dims, 0.04));
     for (const SignMode sign : {SignMode::Paths, SignMode::Evolution})
-      for (const Sampling sampling : {Sampling::Raymap, Sampling::Paper})
+      for (const Sampling sampling : {Sampling::Spread, Sampling::Paper})
         comparePaths(subject.probe, stage, map, {.sign = sign, .passes = 5, .sampling = sampling});
   }
 }

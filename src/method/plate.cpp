@@ -1,4 +1,4 @@
-#include "method/thickness.h"
+#include "method/plate.h"
 
 #include <algorithm>
 #include <cmath>
