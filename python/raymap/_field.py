@@ -149,7 +149,8 @@ class Field:
 
     def _set(self, name: str, ordered: npt.NDArray[Any]) -> None:
         """Copies an array that has the types and the order in memory of the library."""
-        (self._core.set_wholes if name == "triangle" else self._core.set_floats)(name, ordered)
+        numbers = "wholes" if name == "triangle" else "floats"
+        getattr(self._core, f"set_leaf_{numbers}" if self.is_narrow else f"set_{numbers}")(name, ordered)
 
     @property
     def distance(self) -> npt.NDArray[np.float32]:
@@ -525,7 +526,7 @@ class Field:
         (0.5, 0.075, 0.15)
         """
         bounds, single = self.surface_bounds, np.float32(self.scale)
-        band = None
+        band: tuple[Any, ...] | None = None
         if self.is_narrow:
             widths = (float(np.float32(width) / single) for width in (self.outside, self.inside))
             band = (*widths, self.origins, self.tile_origins, self.tile_sides)
@@ -826,7 +827,7 @@ def _restore(
     spacing: float,
     clamp_distance: float,
     surface_bounds: tuple[tuple[float, float, float], tuple[float, float, float]] | None,
-    band: tuple[float, float, npt.NDArray[np.int32], npt.NDArray[np.int32], npt.NDArray[np.int32]] | None,
+    band: tuple[Any, ...] | None,
     arrays: dict[str, npt.NDArray[Any]],
     stats: Stats,
     frame: Frame = IDENTITY,

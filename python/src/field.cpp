@@ -71,7 +71,7 @@ template <class Array>
 void setArray(FieldHandle& handle, std::string_view name, const Array& array) {
   const glm::ivec3 dims = handle.field.grid.dims;
   for (int axis = 0; axis < 3 && !handle.field.narrow; ++axis)
-    if (array.ndim() != 3 || array.shape(size_t(axis)) != size_t(std::max(dims[axis], 0)))
+    if (array.shape(size_t(axis)) != size_t(std::max(dims[axis], 0)))
       throw Error(ErrorCode::Usage, std::string(name) + " does not have the shape of the field");
   withArray(handle.field, name, [&](auto& buffer) {
     if constexpr (std::is_same_v<std::remove_cvref_t<decltype(buffer[0])>,
@@ -218,9 +218,9 @@ void bindField(nb::module_& module) {
       .def_prop_ro("active_count", [](const FieldHandle& self) { return self.field.activeCount(); })
       .def_prop_ro("nbytes", [](const FieldHandle& self) { return self.field.bytes(); })
       .def("set_floats", &setArray<FloatGrid>, "name"_a, "array"_a.noconvert())
-      .def("set_floats", &setArray<FloatLeaves>, "name"_a, "array"_a.noconvert())
+      .def("set_leaf_floats", &setArray<FloatLeaves>, "name"_a, "array"_a.noconvert())
       .def("set_wholes", &setArray<WholeGrid>, "name"_a, "array"_a.noconvert())
-      .def("set_wholes", &setArray<WholeLeaves>, "name"_a, "array"_a.noconvert())
+      .def("set_leaf_wholes", &setArray<WholeLeaves>, "name"_a, "array"_a.noconvert())
       .def("validate", [](const FieldHandle& self) { validate(self.field); })
       .def("array", &viewArray, "name"_a)
       .def_prop_ro("arrays", &arrayNames)

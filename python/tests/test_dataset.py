@@ -44,7 +44,7 @@ def test_narrow_bands_are_those_of_generate(meshes: Path, format: str, band: flo
     for name in NAMES:
         made = raymap.load_field(f"out/{name}.{format}", sparse=True)
         direct = raymap.generate(meshes / name, sparse=True, **options)
-        for array in "origins", "values", "tile_origins", "tile_sides":
+        for array in "origins", "distance", "tile_origins", "tile_sides":
             np.testing.assert_array_equal(getattr(made, array), getattr(direct, array))
         marker = json.loads(Path(f"out/{name}.json").read_text())
         dense = direct.to_dense().distance

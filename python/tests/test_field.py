@@ -309,7 +309,7 @@ def test_pickling_keeps_everything(field):
     assert pickle.loads(pickle.dumps(clamped)).clamp_distance == 1.5
     restore, state = field.__reduce__()
     wrong = {0: [(400, 400, 400), (16, 16, -16), (0, 0, 0)], 1: [(0, float("nan"), 0), (1e308, 0, 0)], 2: [float("nan"), 0.0, 1e-320],
-             3: [-1.0, float("inf")], 5: [{}, {"winding": np.zeros((1, 1, 1))}, {"distance": np.zeros((1, 1, 1))}]}  # fmt: skip
+             3: [-1.0, float("inf")], 6: [{}, {"winding": np.zeros((1, 1, 1))}, {"distance": np.zeros((1, 1, 1))}]}  # fmt: skip
     for place, values in wrong.items():
         for value in values:
             with pytest.raises(raymap.UsageError):

@@ -74,7 +74,7 @@ def test_a_narrow_band_is_shown_by_its_surface() -> None:
         band.to_html(array="winding", **SMALL)
     with pytest.raises(raymap.UsageError, match="no sample of the narrow band is inside"):
         raymap.generate(*ball, resolution=30, sign="none", sparse=True).to_html(**SMALL)
-    with pytest.raises(raymap.UsageError, match="a narrow band, not a tuple"):
+    with pytest.raises(raymap.UsageError, match="other must be a field, not a tuple"):
         band.to_html(other=ball, **SMALL)  # type: ignore[arg-type]
 
 

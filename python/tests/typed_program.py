@@ -57,8 +57,8 @@ except raymap.FileError as error:
     reason: str = str(error)
 
 if TYPE_CHECKING:
-    raymap.generate(mesh, distance="near")  # type: ignore[call-overload]
-    raymap.generate(mesh, resolutoin=3)  # type: ignore[call-overload]
+    raymap.generate(mesh, distance="near")  # type: ignore[arg-type]
+    raymap.generate(mesh, resolutoin=3)  # type: ignore[call-arg]
     generator.generate(mesh, threads="all")  # type: ignore[arg-type]
     raymap.signed_distance(mesh)  # type: ignore[call-overload]
     field.distance = distance  # type: ignore[misc]
@@ -66,6 +66,6 @@ if TYPE_CHECKING:
     prepared.query((0, 0, 0), ("colour",))  # type: ignore[arg-type]
     wrong: npt.NDArray[np.float32] = prepared.signed_distance(np.zeros((2, 3)))  # type: ignore[assignment]
     prepared.signed_distance(singles, treads=1)  # type: ignore[call-overload]
-    prepared.generate(orientation="keep")  # type: ignore[call-overload]
+    prepared.generate(orientation="keep")  # type: ignore[call-arg]
     found["colour"]  # type: ignore[typeddict-item]
     raymap.info(mesh, fast=True)["self_intersections"]["pairs"]  # type: ignore[index]

@@ -29,6 +29,7 @@ struct Format {
                      const VdbStorage& storage) = nullptr;
   void (*writeBands)(std::ostream& out, std::span<const NamedField> bands,
                      const VdbStorage& storage) = nullptr;
+  void (*load)() = nullptr;  ///< Loads the writers, if they are in a library of their own.
   /// Writer with numbers of 16 bits; null for a format without them, or with `writeNamed`.
   void (*writeHalf)(std::ostream& out, const Field& field, const NamedArray& array) = nullptr;
 
@@ -43,8 +44,8 @@ constexpr std::array kFormats{
         .extension = ".npz", .read = readNpz, .write = writeNpz, .goesBack = true, .writeHalf = writeHalfNpz},
     Format{".vti", readVti, writeVti},
 #ifdef RAYMAP_OPENVDB
-    Format{".vdb", nullptr, nullptr, true, readVdb, writeVdb, writeVdb},
-    Format{".nvdb", nullptr, nullptr, false, readNvdb, writeNvdb, writeNvdb},
+    Format{".vdb", nullptr, nullptr, true, readVdb, writeVdb, writeVdb, loadVdbWriters},
+    Format{".nvdb", nullptr, nullptr, false, readNvdb, writeNvdb, writeNvdb, loadVdbWriters},
 #else
     Format{".vdb", nullptr, nullptr},
     Format{".nvdb", nullptr, nullptr},
@@ -85,6 +86,7 @@ bool hasHalf(const Format& format) {
 
 /// Throws `Error(Usage)` unless the format has a place for what the options ask for.
 void checkFormat(const fs::path& path, const Format& format, const FieldWriteOptions& options) {
+  if (format.load) format.load();
   if (!format.writeNamed && !options.gridName.empty())
     throw Error(ErrorCode::Usage, path.string() + ": only a .vdb or .nvdb has a grid's name; leave it out");
   if (options.half && !hasHalf(format))

@@ -35,9 +35,9 @@ TEST_F(CliMain, SaysThatALibraryIsMissing) {
   if (!hasFieldFormat(".vdb")) GTEST_SKIP() << "without OpenVDB";
   writeTorus();
   const Result result = shell("cp $R alone && ./alone generate torus.ply -o torus.vdb --resolution 20");
-  if (result.code == 0) GTEST_SKIP() << "raymap-vdb.so is installed where every program finds it";
+  if (result.code == 0) GTEST_SKIP() << "raymap-vdb.plugin is installed where every program finds it";
   EXPECT_EQ(result.code, exitCode(ErrorCode::Unsupported)) << result.err;
-  EXPECT_NE(result.err.find("the library raymap-vdb.so that does is missing"), std::string::npos)
+  EXPECT_NE(result.err.find("the library raymap-vdb.plugin that does is missing"), std::string::npos)
       << result.err;
   EXPECT_FALSE(fs::exists(path("torus.vdb")));
 }

@@ -215,4 +215,4 @@ def _check(options: FieldOptions, sparse: bool) -> None:
     # The device may be one that only the workers have.
     with suppress(Cancelled, MemoryLimitError):
         checked: FieldOptions = {**options, "device": "cpu", "progress": lambda stage, done: False}
-        generate(mesh, sparse=sparse, **checked)  # type: ignore[call-overload]
+        generate(mesh, sparse=sparse, **checked)

@@ -59,6 +59,8 @@ struct VdbStorage {
   bool inSteps = false;       ///< Whether these are equal steps of the range of their leaf, as in a .nvdb.
 };
 
+/// Loads what writes both. Throws `Error`: Unsupported if it is missing, Memory.
+void loadVdbWriters();
 void writeVdb(std::ostream& out, const Field& field, const NamedArray& array, const VdbStorage& storage);
 /// Writes narrow bands with all their arrays.
 void writeVdb(std::ostream& out, std::span<const NamedField> bands, const VdbStorage& storage);

@@ -1,4 +1,4 @@
-// The entry of raymap-vdb.so, and what its writers call of the library.
+// The entry of raymap-vdb.plugin, and what its writers call of the library.
 
 #include "io/field/vdb_module.h"
 

@@ -10,7 +10,7 @@
 #include "io/field/field_array.h"
 #include "io/field/field_formats.h"
 
-// `raymap-vdb.so` holds OpenVDB and the writers of .vdb and .nvdb. It is loaded when the first file is
+// `raymap-vdb.plugin` holds OpenVDB and the writers of .vdb and .nvdb. It is loaded when the first file is
 // written: the dynamic loader takes 40 ms for OpenVDB, ten times as long as for all else.
 
 namespace raymap {
@@ -34,7 +34,7 @@ struct VdbWriters {
   void (*nvdbBands)(std::ostream& out, std::span<const NamedField> bands, const VdbStorage& storage);
 };
 
-inline constexpr const char* kVdbModule = "raymap-vdb.so";
+inline constexpr const char* kVdbModule = "raymap-vdb.plugin";
 /// Name of the module's only function for others: `const VdbWriters*(const VdbHost&)`. It returns null for a
 /// library of another version.
 inline constexpr const char* kVdbEntry = "raymapVdbWriters";

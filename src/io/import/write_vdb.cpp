@@ -1,4 +1,4 @@
-// Writes .vdb and .nvdb by raymap-vdb.so, which is loaded for the first file and stays.
+// Writes .vdb and .nvdb by raymap-vdb.plugin, which is loaded for the first file and stays.
 
 #include <dlfcn.h>
 #include <raymap/error.h>
@@ -6,6 +6,7 @@
 
 #include <string>
 
+#include "base/memory.h"
 #include "io/field/vdb_module.h"
 #include "io/import/companion.h"
 
@@ -17,7 +18,16 @@ namespace {
   throw Error(ErrorCode::Unsupported, std::string("cannot write a .vdb or .nvdb: ") + why);
 }
 
+void checkMemory() {
+  constexpr uint64_t kNeeded = uint64_t{40} << 20;
+  if (const uint64_t left = memoryLeft(); left < kNeeded)
+    throw Error(ErrorCode::Memory, "OpenVDB, which writes a .vdb or .nvdb, needs " + neededText(kNeeded) +
+                                       ", but only " + limitText(left) +
+                                       " are left; write another format, such as .npy, or allow more memory");
+}
+
 const VdbWriters& load() {
+  checkMemory();
   const auto file = findCompanion(kVdbModule);
   if (!file)
     fail(std::string("the library ") + kVdbModule + " that does is missing; install it beside this program");
@@ -43,6 +53,10 @@ const VdbWriters& writers() {
 }
 
 }  // namespace
+
+void loadVdbWriters() {
+  writers();
+}
 
 void writeVdb(std::ostream& out, const Field& field, const NamedArray& array, const VdbStorage& storage) {
   writers().vdb(out, field, array, storage);
