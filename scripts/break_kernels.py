@@ -67,7 +67,7 @@ FAULTS = [
      "pairs.y & 0xffffu, pairs.y >> 16", "pairs.y & 0xffffu, pairs.y & 0xffffu", ""),
     ("half floats rounded down", STAGES + "field_image_halves.comp",
      "(shifted + 0xfffu + (shifted >> 13 & 1u)) >> 13", "shifted >> 13", ""),
-    ("walls of hollow shapes ignored", "src/scene/sphere_trace.glsl",
+    ("walls of hollow shapes ignored", "src/picture/sphere_trace.glsl",
      "push.shape.wall > 0 ? max(d, -(d + push.shape.wall)) : d", "d", ""),
     ("one ray of a pixel taken twice", STAGES + "render_field.comp",
      "lights[local + 2] + lights[local + 3]", "lights[local + 2] + lights[local + 2]", ""),

@@ -69,10 +69,10 @@ class CheckDocs(PlantedTree):
         self.assert_found("docs/cli.md: lists the command view 0 times", "docs/cli.md: lists the command mesh 2 times")
 
     def test_finds_folders_that_are_not_listed_or_gone(self):
-        self.edit("CONTRIBUTING.md", "src/scene/ ", "src/scenes/")
+        self.edit("CONTRIBUTING.md", "src/picture/ ", "src/pictures/")
         self.edit("CONTRIBUTING.md", "cells/ (", "cell/ (")
-        self.assert_found("lists the folder src/cpu/cell,", "lists the folder src/scenes,",
-                          "does not list the folder src/cpu/cells", "does not list the folder src/scene")
+        self.assert_found("lists the folder src/cpu/cell,", "lists the folder src/pictures,",
+                          "does not list the folder src/cpu/cells", "does not list the folder src/picture")
 
     def test_finds_folders_in_another_order_than_layers(self):
         self.append("src/layers.txt", "mesh: method")

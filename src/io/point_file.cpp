@@ -10,7 +10,7 @@
 
 #include "io/file_format.h"
 #include "io/points/point_formats.h"
-#include "scene/colour.h"
+#include "picture/colour.h"
 
 namespace raymap {
 

@@ -2,8 +2,8 @@
 #include <raymap/render.h>
 
 #include "base/require.h"
-#include "scene/colour.h"
-#include "scene/colouring.h"
+#include "picture/colour.h"
+#include "picture/colouring.h"
 
 namespace raymap {
 

@@ -8,9 +8,9 @@
 #include "base/parallel.h"
 #include "mesh/defects.h"
 #include "mesh/triangle.h"
-#include "scene/camera.h"
-#include "scene/colour.h"
-#include "scene/scene.h"
+#include "picture/camera.h"
+#include "picture/colour.h"
+#include "picture/drawn_scene.h"
 
 namespace raymap {
 

@@ -3,7 +3,7 @@
 #include <raymap/machine.h>
 #include <raymap/picture.h>
 
-#include "scene/scene.h"
+#include "picture/drawn_scene.h"
 
 namespace raymap {
 

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "scene/colour.h"
+#include "picture/colour.h"
 
 namespace raymap {
 

@@ -20,12 +20,12 @@
 #include "base/text.h"
 #include "field/field_sampler.h"
 #include "page_text.h"
+#include "picture/colouring.h"
+#include "picture/drawn_scene.h"
 #include "render/encode_png.h"
 #include "render/pack_samples.h"
 #include "render/render_scene.h"
 #include "render/resample.h"
-#include "scene/colouring.h"
-#include "scene/scene.h"
 
 namespace raymap {
 

@@ -12,7 +12,7 @@
 
 #include "kernel_statistics.h"
 #include "method/pipeline.h"
-#include "scene/scene.h"
+#include "picture/drawn_scene.h"
 #include "testing/kernels/shader_names.h"
 #include "testing/kernels/vulkan_entry.h"
 #include "vulkan/runtime/frame_backend.h"

@@ -16,9 +16,9 @@
 #include "analytic_fields.h"
 #include "cpu/render/sphere_trace.h"
 #include "field/field_sampler.h"
-#include "scene/camera.h"
-#include "scene/colour.h"
-#include "scene/shape.h"
+#include "picture/camera.h"
+#include "picture/colour.h"
+#include "picture/shape.h"
 #include "shapes.h"
 
 namespace raymap {

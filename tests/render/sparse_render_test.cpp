@@ -16,9 +16,9 @@
 #include "error_code.h"
 #include "field/empty_space.h"
 #include "field/leaf_tree.h"
-#include "scene/camera.h"
-#include "scene/shape.h"
-#include "scene/shown_numbers.h"
+#include "picture/camera.h"
+#include "picture/shape.h"
+#include "picture/shown_numbers.h"
 #include "shapes.h"
 
 namespace raymap {

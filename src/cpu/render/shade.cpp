@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "cpu/render/sphere_trace.h"
-#include "scene/shade_shared.h"
+#include "picture/shade_shared.h"
 
 namespace raymap::cpu {
 

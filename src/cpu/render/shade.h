@@ -1,6 +1,6 @@
 #pragma once
 
-#include "scene/scene.h"
+#include "picture/drawn_scene.h"
 
 namespace raymap::cpu {
 

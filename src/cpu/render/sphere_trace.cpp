@@ -9,7 +9,7 @@
 
 #include <algorithm>
 
-#include "scene/sphere_trace_shared.h"
+#include "picture/sphere_trace_shared.h"
 
 namespace raymap::cpu {
 

@@ -2,8 +2,8 @@
 
 #include <optional>
 
-#include "scene/camera.h"
-#include "scene/shape.h"
+#include "picture/camera.h"
+#include "picture/shape.h"
 
 namespace raymap::cpu {
 

@@ -1,9 +1,9 @@
 // Draws a field in a browser: as `renderField` does, with a slice through it if that is wanted.
 #version 460
 #extension GL_GOOGLE_include_directive : require
-#include "scene/scene_shared.h"
-#include "scene/shade_shared.h"
-#include "scene/sphere_trace_shared.h"
+#include "picture/drawn_scene_shared.h"
+#include "picture/shade_shared.h"
+#include "picture/sphere_trace_shared.h"
 
 struct PagePush {
   RenderShape shape;
@@ -29,7 +29,7 @@ float plateauLength(vec3 p, vec3 direction, out float value) {
   return 0;  // The field is dense.
 }
 
-#include "scene/shade.glsl"
+#include "picture/shade.glsl"
 
 float valueAt(vec3 p) {
   return texture(values, (p + 0.5) / vec3(push.shape.nx, push.shape.ny, push.shape.nz)).r;
@@ -39,7 +39,7 @@ vec4 stopAt(uint i) {
   return push.stops[i];
 }
 
-#include "scene/colouring.glsl"
+#include "picture/colouring.glsl"
 
 // Returns the colour of a point inside. `pixel` is a pixel's size there.
 vec3 pointColour(vec3 p, float pixel) {

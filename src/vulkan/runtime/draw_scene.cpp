@@ -5,8 +5,8 @@
 
 #include "base/parallel.h"
 #include "base/stopwatch.h"
-#include "scene/scene.h"
-#include "scene/sphere_trace_shared.h"
+#include "picture/drawn_scene.h"
+#include "picture/sphere_trace_shared.h"
 #include "vulkan/device/command_buffer.h"
 #include "vulkan/stages/render_field.h"
 

@@ -1,5 +1,5 @@
 #include "base/require.h"
-#include "scene/scene.h"
+#include "picture/drawn_scene.h"
 #include "vulkan/device/buffer_range.h"
 #include "vulkan/stages/render_field.h"
 

@@ -2,8 +2,8 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "vulkan/device/kernel.glsl"
-#include "scene/scene_shared.h"
-#include "scene/sphere_trace_shared.h"
+#include "picture/drawn_scene_shared.h"
+#include "picture/sphere_trace_shared.h"
 
 #include "vulkan/stages/render_field_push.h"
 
@@ -38,7 +38,7 @@ float between(Floats samples, vec3 q) {
   return low + share.z * (sheet(samples, at + (dims.z > 1 ? uint(dims.x * dims.y) : 0), share.xy) - low);
 }
 
-#include "scene/drawn_field.glsl"
+#include "picture/drawn_field.glsl"
 
 float trilinear(vec3 q) {
   if (kCountsSteps != 0) ++samplings;
@@ -51,7 +51,7 @@ float plateauLength(vec3 p, vec3 direction, out float value) {
   return kIsBand != 0 ? emptyLength(p, direction, value) : 0;
 }
 
-#include "scene/shade.glsl"
+#include "picture/shade.glsl"
 
 float valueAt(vec3 p) {
   const vec3 q = max(vec3(0), min(p, vec3(push.shape.nx, push.shape.ny, push.shape.nz) - 1));
@@ -68,7 +68,7 @@ vec4 stopAt(uint i) {
   return push.picture.at[0].colours.stops[i];
 }
 
-#include "scene/colouring.glsl"
+#include "picture/colouring.glsl"
 
 vec3 numberColour(RenderSceneData scene, vec3 p, float pixel) {
   if (kIsBand != 0 && valueAt(p) == kNotKnown) return push.picture.at[0].colours.unknown.rgb;

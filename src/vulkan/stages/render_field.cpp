@@ -7,7 +7,7 @@
 
 #include "base/ceil_div.h"
 #include "base/text.h"
-#include "scene/scene.h"
+#include "picture/drawn_scene.h"
 #include "shaders/render_field_spv.h"
 
 namespace raymap::vulkan {

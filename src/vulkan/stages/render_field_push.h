@@ -3,8 +3,8 @@
 #endif
 
 #include "base/shader_types.h"
-#include "scene/scene_shared.h"
-#include "scene/shade_shared.h"
+#include "picture/drawn_scene_shared.h"
+#include "picture/shade_shared.h"
 
 RAYMAP_SHARED_BEGIN(raymap::vulkan)
 

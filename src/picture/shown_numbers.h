@@ -4,8 +4,8 @@
 
 #include <variant>
 
-#include "scene/colouring.h"
-#include "scene/drawn_field.h"
+#include "picture/colouring.h"
+#include "picture/drawn_field.h"
 
 namespace raymap {
 

@@ -39,7 +39,7 @@ class DrawnField {
   const LeafTree* tree() const { return tree_.get(); }
   /// Returns the number of words that `leafIndex` returns.
   size_t leafIndexCount() const;
-  /// Returns the words by which shaders find the leaves of a narrow band (scene/drawn_field_shared.h).
+  /// Returns the words by which shaders find the leaves of a narrow band (picture/drawn_field_shared.h).
   /// Distances of samples in no leaf are multiplied by `scale`.
   std::vector<uint32_t> leafIndex(double scale) const;
   /// Returns the number of samples that the host or a device holds; 0 if that is not known.

@@ -7,8 +7,8 @@
 #include <span>
 #include <vector>
 
-#include "scene/drawn_field.h"
-#include "scene/sphere_trace_shared.h"
+#include "picture/drawn_field.h"
+#include "picture/sphere_trace_shared.h"
 
 namespace raymap {
 

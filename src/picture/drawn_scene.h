@@ -2,11 +2,11 @@
 
 #include <utility>
 
-#include "scene/camera.h"
-#include "scene/colour.h"
-#include "scene/scene_shared.h"
-#include "scene/shape.h"
-#include "scene/shown_numbers.h"
+#include "picture/camera.h"
+#include "picture/colour.h"
+#include "picture/drawn_scene_shared.h"
+#include "picture/shape.h"
+#include "picture/shown_numbers.h"
 
 namespace raymap {
 

@@ -1,4 +1,4 @@
-#include "scene/shown_numbers.h"
+#include "picture/shown_numbers.h"
 
 #include <limits>
 #include <utility>

@@ -9,8 +9,8 @@
 
 #include "base/parallel.h"
 #include "base/text.h"
-#include "scene/camera.h"
-#include "scene/shape.h"
+#include "picture/camera.h"
+#include "picture/shape.h"
 
 namespace raymap {
 

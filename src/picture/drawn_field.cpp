@@ -1,4 +1,4 @@
-#include "scene/drawn_field.h"
+#include "picture/drawn_field.h"
 
 #include <algorithm>
 #include <bit>
@@ -6,7 +6,7 @@
 #include <limits>
 #include <utility>
 
-#include "scene/drawn_field_shared.h"
+#include "picture/drawn_field_shared.h"
 
 namespace raymap {
 

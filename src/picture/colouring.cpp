@@ -1,4 +1,4 @@
-#include "scene/colouring.h"
+#include "picture/colouring.h"
 
 #include <algorithm>
 #include <cmath>

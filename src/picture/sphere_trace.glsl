@@ -1,4 +1,4 @@
-// GPU twin of field/field_sampler.h, scene/shape.h and cpu/render/sphere_trace.cpp, which give the reasons. Part of
+// GPU twin of field/field_sampler.h, picture/shape.h and cpu/render/sphere_trace.cpp, which give the reasons. Part of
 // shade.glsl.
 
 struct Ray {

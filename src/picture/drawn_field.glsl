@@ -1,7 +1,7 @@
-// GPU twin of scene/drawn_field.h for narrow bands. The shader that includes it has `push.shape`, the numbers of samples,
+// GPU twin of picture/drawn_field.h for narrow bands. The shader that includes it has `push.shape`, the numbers of samples,
 // `push.scale`, and `push.picture`, which holds the address of the index.
 
-#include "scene/drawn_field_shared.h"
+#include "picture/drawn_field_shared.h"
 
 struct LeafSlot {
   int content;

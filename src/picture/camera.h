@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "scene/shape.h"
+#include "picture/shape.h"
 
 namespace raymap {
 

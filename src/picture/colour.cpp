@@ -1,4 +1,4 @@
-#include "scene/colour.h"
+#include "picture/colour.h"
 
 #include <raymap/error.h>
 #include <raymap/field.h>
@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <string>
 
-#include "scene/shade_shared.h"
+#include "picture/shade_shared.h"
 
 namespace raymap {
 

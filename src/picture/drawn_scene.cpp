@@ -1,4 +1,4 @@
-#include "scene/scene.h"
+#include "picture/drawn_scene.h"
 
 #include <algorithm>
 #include <limits>

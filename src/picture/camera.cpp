@@ -1,4 +1,4 @@
-#include "scene/camera.h"
+#include "picture/camera.h"
 
 #include <raymap/error.h>
 

@@ -1,4 +1,4 @@
-// GPU twin of scene/colouring.h and of its use in cpu/render/shade.cpp. The shader that includes it after shade.glsl has
+// GPU twin of picture/colouring.h and of its use in cpu/render/shade.cpp. The shader that includes it after shade.glsl has
 // `valueAt`, which returns the number at a point, and `stopAt`, which returns a colour and in w its number.
 
 vec3 colourOf(float value, uint stopCount) {

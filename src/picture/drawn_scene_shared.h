@@ -15,7 +15,7 @@ using glm::vec3;
 using glm::vec4;
 #endif
 
-// Data of scene/shape.h, without the samples.
+// Data of picture/shape.h, without the samples.
 struct RenderShape {
   vec3 centre;
   float radius;
@@ -28,7 +28,7 @@ RAYMAP_CHECK_SIZE(RenderShape, 60);
 
 RAYMAP_CONSTANT uint kMostStops = 11;  // Of a colouring.
 
-// Further data of scene/scene.h. Colours are linear.
+// Further data of picture/drawn_scene.h. Colours are linear.
 struct RenderSceneData {
   vec3 eye, right, up, forward;
   vec3 floorNormal;
@@ -48,7 +48,7 @@ struct RenderSceneData {
 };
 RAYMAP_CHECK_SIZE(RenderSceneData, 264);
 
-// Data of a colouring of scene/colouring.h.
+// Data of a colouring of picture/colouring.h.
 struct RenderColours {
   vec4 stops[kMostStops];  // Colours, and in w their numbers.
   uint stopCount;

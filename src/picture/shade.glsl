@@ -2,7 +2,7 @@
 // `push.shape`, `push.width`, `push.height`, `trilinear`, which returns the value at a point of the grid, and
 // `plateauLength`, which returns how far a ray goes on from a point in samples of one value; 0: they differ or are unknown.
 
-#include "scene/sphere_trace.glsl"
+#include "picture/sphere_trace.glsl"
 
 // Returns a ray that starts where the ball around the shape may begin, so that positions near the shape are
 // exact even for a distant eye. `skipped` is the distance from the eye to the start.

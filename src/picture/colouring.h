@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "scene/colour.h"
+#include "picture/colour.h"
 
 namespace raymap {
 
