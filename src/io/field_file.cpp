@@ -25,12 +25,8 @@ struct Format {
   bool goesBack = false;  ///< Whether the writer goes back in its stream.
   // Reader and writers of the formats that have grids with names and narrow bands.
   Field (*readChosen)(const SourceFile& source, LeftOut& leftOut, const GridChoice& grid) = nullptr;
-  void (*writeNamed)(std::ostream& out, const Field& field, const NamedArray& array,
-                     const VdbStorage& storage) = nullptr;
-  void (*writeBands)(std::ostream& out, std::span<const NamedField> bands,
-                     const VdbStorage& storage) = nullptr;
-  void (*load)() = nullptr;  ///< Loads the writers, if they are in a library of their own.
-  /// Writer with numbers of 16 bits; null for a format without them, or with `writeNamed`.
+  const VdbWriter& (*writer)() = nullptr;
+  /// Writer with numbers of 16 bits; null for a format without them, or with `writer`.
   void (*writeHalf)(std::ostream& out, const Field& field, const NamedArray& array) = nullptr;
 
   /// Returns whether this build has the library for the format.
@@ -44,8 +40,8 @@ constexpr std::array kFormats{
         .extension = ".npz", .read = readNpz, .write = writeNpz, .goesBack = true, .writeHalf = writeHalfNpz},
     Format{".vti", readVti, writeVti},
 #ifdef RAYMAP_OPENVDB
-    Format{".vdb", nullptr, nullptr, true, readVdb, writeVdb, writeVdb, loadVdbWriters},
-    Format{".nvdb", nullptr, nullptr, false, readNvdb, writeNvdb, writeNvdb, loadVdbWriters},
+    Format{".vdb", nullptr, nullptr, true, readVdb, vdbWriter},
+    Format{".nvdb", nullptr, nullptr, false, readNvdb, nvdbWriter},
 #else
     Format{".vdb", nullptr, nullptr},
     Format{".nvdb", nullptr, nullptr},
@@ -81,13 +77,13 @@ void checkLength(const fs::path& path, const Format& format, const std::string& 
 
 /// Returns whether a format has a type for numbers of 16 bits.
 bool hasHalf(const Format& format) {
-  return format.writeNamed || format.writeHalf;
+  return format.writer || format.writeHalf;
 }
 
 /// Throws `Error(Usage)` unless the format has a place for what the options ask for.
 void checkFormat(const fs::path& path, const Format& format, const FieldWriteOptions& options) {
-  if (format.load) format.load();
-  if (!format.writeNamed && !options.gridName.empty())
+  if (format.writer) format.writer();  // Before a field is made for it.
+  if (!format.writer && !options.gridName.empty())
     throw Error(ErrorCode::Usage, path.string() + ": only a .vdb or .nvdb has a grid's name; leave it out");
   if (options.half && !hasHalf(format))
     throw Error(ErrorCode::Usage, path.string() + ": a " + std::string(format.extension) +
@@ -213,7 +209,7 @@ void checkBand(const fs::path& path, const Format& format, const Field& band,
 
 const Format& bandFormat(const fs::path& path, const FieldWriteOptions& options) {
   const Format& format = findFormat(path, formatOf(path, options.format, fieldExtensions()));
-  if (!format.writeBands)
+  if (!format.writer)
     throw Error(ErrorCode::Usage, path.string() + ": a " + std::string(format.extension) +
                                       " holds no narrow bands; write a .vdb or .nvdb, or a whole field");
   if (options.array != FieldArray::Distance)
@@ -238,7 +234,7 @@ void writeAllBands(const fs::path& path, const Format& format, std::span<const N
                    const FieldWriteOptions& options) {
   writeAtomically(path, [&](std::ostream& out) {
     writeSeekable(out, [&](std::ostream& seekable) {
-      format.writeBands(seekable, bands, {options.gridName, options.half});
+      format.writer().bands(seekable, bands, {options.gridName, options.half});
     });
   });
 }
@@ -285,8 +281,8 @@ void writeField(const fs::path& path, const Field& field, const FieldWriteOption
                   "the field's array '" + std::string(each.name) + "' does not fit its grid");
   checkStorage(path, format, field, largestMagnitude(field.distance), options);
   const auto write = [&](std::ostream& out) {
-    if (format.writeNamed)
-      format.writeNamed(out, field, array, {options.gridName, options.half});
+    if (format.writer)
+      format.writer().field(out, field, array, {options.gridName, options.half});
     else
       (options.half ? format.writeHalf : format.write)(out, field, array);
   };

@@ -59,12 +59,14 @@ struct VdbStorage {
   bool inSteps = false;       ///< Whether these are equal steps of the range of their leaf, as in a .nvdb.
 };
 
-/// Loads what writes both. Throws `Error`: Unsupported if it is missing, Memory.
-void loadVdbWriters();
-void writeVdb(std::ostream& out, const Field& field, const NamedArray& array, const VdbStorage& storage);
-/// Writes narrow bands with all their arrays.
-void writeVdb(std::ostream& out, std::span<const NamedField> bands, const VdbStorage& storage);
-void writeNvdb(std::ostream& out, const Field& field, const NamedArray& array, const VdbStorage& storage);
-void writeNvdb(std::ostream& out, std::span<const NamedField> bands, const VdbStorage& storage);
+/// Writes fields with the names of their grids, and narrow bands with all their arrays.
+struct VdbWriter {
+  void (*field)(std::ostream& out, const Field& field, const NamedArray& array, const VdbStorage& storage);
+  void (*bands)(std::ostream& out, std::span<const NamedField> bands, const VdbStorage& storage);
+};
+
+// Load the writers. Throw `Error`: Unsupported if their library is missing, Memory.
+const VdbWriter& vdbWriter();
+const VdbWriter& nvdbWriter();
 
 }  // namespace raymap

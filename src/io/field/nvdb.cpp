@@ -14,8 +14,8 @@
 #include <type_traits>
 #include <vector>
 
-#include "base/memory.h"
 #include "io/field/nvdb_nodes.h"
+#include "io/field/vdb_module.h"
 
 namespace raymap {
 
@@ -32,7 +32,7 @@ class ZeroedBuffer {
   static ZeroedBuffer create(uint64_t bytes, const ZeroedBuffer* allocator) {
     ZeroedBuffer made;
     made.bytes_ = bytes + allocator->added_;
-    checkFormatMemory(made.bytes_);
+    vdbHost().checkFormatMemory(made.bytes_);
     made.data_.reset(static_cast<uint8_t*>(::operator new(made.bytes_, std::align_val_t(kAlignment))));
     std::memset(made.data_.get(), 0, made.bytes_);
     return made;

@@ -18,10 +18,8 @@
 #include <cstdio>
 #include <ostream>
 
-#include "base/memory.h"
-#include "base/parallel.h"
-#include "io/field/field_formats.h"
 #include "io/field/nvdb.h"
+#include "io/field/vdb_module.h"
 
 namespace raymap {
 
@@ -58,7 +56,7 @@ openvdb::CoordBBox boxOf(const Grid& grid) {
 /// memory runs out.
 void checkTree(uint64_t leaves) {
   constexpr uint64_t kLeafBytes = NarrowBand::kLeafSamples * sizeof(float) + 256;  // With its masks.
-  checkFormatMemory(leaves * kLeafBytes);
+  vdbHost().checkFormatMemory(leaves * kLeafBytes);
 }
 
 /// Returns how many leaves of a grid have samples of different values. The others become tiles.
@@ -77,7 +75,7 @@ uint64_t countMixedLeaves(const Grid& grid, const Value* values) {
     return false;
   };
   std::atomic<uint64_t> count{0};
-  parallelFor(size_t(leaves.z), 1, [&](size_t slab, size_t) {
+  vdbHost().parallelFor(size_t(leaves.z), 1, [&](size_t slab, size_t) {
     for (int y = 0; y < leaves.y; ++y)
       for (int x = 0; x < leaves.x; ++x) count += isMixed(kSide * glm::ivec3(x, y, int(slab))) ? 1 : 0;
   });
@@ -176,7 +174,7 @@ struct Background {
 /// sample is active.
 Background backgroundOf(const Field& field) {
   constexpr double kRounding = 1e-5;
-  const float largest = largestMagnitude(field.distance);
+  const float largest = vdbHost().largestMagnitude(field.distance);
   const double clamp = field.clampDistance;
   if (clamp > 0.0 && largest <= clamp * (1.0 + kRounding)) {
     const float value = largest < clamp * (1.0 - kRounding) ? float(clamp) : largest;
@@ -296,7 +294,7 @@ openvdb::GridBase::Ptr makeLeaves(const Field& band, std::span<const Stored> val
   const openvdb::Coord first = lowOf(band.grid);
   for (const glm::ivec3& low : band.narrow->leaves)
     leaves.push_back(tree.touchLeaf(first.offsetBy(low.x, low.y, low.z)));
-  parallelFor(leaves.size(), 256, [&](size_t begin, size_t end) {
+  vdbHost().parallelFor(leaves.size(), 256, [&](size_t begin, size_t end) {
     for (size_t l = begin; l < end; ++l) {
       const Stored* from = values.data() + l * NarrowBand::kLeafSamples;
       for (int z = 0; z < kSide; ++z)
@@ -340,7 +338,7 @@ void writeGrids(std::ostream& out, FunctionView<openvdb::GridPtrVec&> make,
                 void (*put)(std::ostream& out, openvdb::GridPtrVec& grids)) {
   openvdb::initialize();  // Thread-safe; later calls do nothing.
   try {
-    withCallersThreads([&] {
+    vdbHost().withCallersThreads([&] {
       openvdb::GridPtrVec grids;
       make(grids);
       put(out, grids);
@@ -400,7 +398,7 @@ void addGrids(const Field& band, bool isOneOfSeveral, const VdbStorage& storage,
 
 void addGrids(const Field& field, const NamedArray& array, const VdbStorage& storage,
               openvdb::GridPtrVec& grids) {
-  for (const NamedArray& each : arraysWith(field, array))
+  for (const NamedArray& each : vdbHost().arraysWith(field, array))
     grids.push_back(gridOf(field, each, GridLabel::of(each.name, each.name == array.name, storage), storage));
 }
 
@@ -409,12 +407,10 @@ void addGrids(std::span<const NamedField> bands, const VdbStorage& storage, open
     addGrids(*each.field, bands.size() > 1, {each.name, storage.half, storage.inSteps}, grids);
 }
 
-}  // namespace
-
 void writeVdb(std::ostream& out, const Field& field, const NamedArray& array, const VdbStorage& storage) {
   writeGrids(
       out, [&](openvdb::GridPtrVec& grids) { addGrids(field, array, storage, grids); }, putVdb);
-  replaceIdentifier(out, bytesOf(arraysWith(field, array)));
+  replaceIdentifier(out, bytesOf(vdbHost().arraysWith(field, array)));
 }
 
 void writeVdb(std::ostream& out, std::span<const NamedField> bands, const VdbStorage& storage) {
@@ -434,5 +430,9 @@ void writeNvdb(std::ostream& out, std::span<const NamedField> bands, const VdbSt
   writeGrids(
       out, [&](openvdb::GridPtrVec& grids) { addGrids(bands, inSteps, grids); }, putNvdb);
 }
+
+}  // namespace
+
+const VdbWriters kVdbWriters{.vdb = {writeVdb, writeVdb}, .nvdb = {writeNvdb, writeNvdb}};
 
 }  // namespace raymap

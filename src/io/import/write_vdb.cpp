@@ -54,24 +54,12 @@ const VdbWriters& writers() {
 
 }  // namespace
 
-void loadVdbWriters() {
-  writers();
+const VdbWriter& vdbWriter() {
+  return writers().vdb;
 }
 
-void writeVdb(std::ostream& out, const Field& field, const NamedArray& array, const VdbStorage& storage) {
-  writers().vdb(out, field, array, storage);
-}
-
-void writeVdb(std::ostream& out, std::span<const NamedField> bands, const VdbStorage& storage) {
-  writers().vdbBands(out, bands, storage);
-}
-
-void writeNvdb(std::ostream& out, const Field& field, const NamedArray& array, const VdbStorage& storage) {
-  writers().nvdb(out, field, array, storage);
-}
-
-void writeNvdb(std::ostream& out, std::span<const NamedField> bands, const VdbStorage& storage) {
-  writers().nvdbBands(out, bands, storage);
+const VdbWriter& nvdbWriter() {
+  return writers().nvdb;
 }
 
 }  // namespace raymap
