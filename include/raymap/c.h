@@ -297,8 +297,8 @@ RAYMAP_API raymap_mesh* raymap_isosurface(const raymap_field* field, const rayma
  */
 RAYMAP_API raymap_field* raymap_field_load(const char* path, const raymap_options* options);
 /* Writes one array as .nrrd, .npz, .npy, .vti, .vdb or .nvdb by extension: "distance" (or NULL), "winding",
- * "confidence" or "triangle". A narrow band is written with all its arrays, as .vdb or .nvdb. The file
- * appears whole or not at all. Not in builds without files. */
+ * "confidence" or "triangle". A narrow band is written with all its arrays, as .vdb or .nvdb; `array` is NULL
+ * or "distance" then. The file appears whole or not at all. Not in builds without files. */
 RAYMAP_API raymap_result raymap_field_write(const raymap_field* field, const char* path, const char* array);
 
 /* Files of a field and how they are written, as raymap::FieldFiles; NULL = not wanted. Initialise with

@@ -190,6 +190,9 @@ def test_it_is_shown(band):
     assert f">{band.active_count}<" in band._repr_html_() and 0 < band.nbytes < 2**23
     with pytest.raises(AttributeError, match="the field is dense, and only a narrow band has 'origins'"):
         band.to_dense().origins  # noqa: B018
+    dense = band.to_dense()
+    assert not dense.is_narrow and band.is_narrow and dense.nbytes >= 16 * 40**3
+    assert dense.active_count == (abs(dense.distance) < np.float32(dense.clamp_distance)).sum() == band.active_count
     with pytest.raises(TypeError, match="make it dense by to_dense"):
         np.asarray(band)
 

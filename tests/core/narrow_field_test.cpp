@@ -4,6 +4,7 @@
 #include <raymap/raymap.h>
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 #include <cstring>
@@ -207,6 +208,49 @@ TEST(NarrowField, SaysWhatIsNotValid) {
   refuses([](Field& band) { band.narrow->tiles[0].side = 4; });
   refuses([](Field& band) { band.narrow->tiles[0].side = 32; });
   refuses([](Field& band) { std::swap(band.narrow->tiles[0], band.narrow->tiles[1]); });
+}
+
+TEST(NarrowField, IsAskedForWhereADenseFieldIsGiven) {
+  const Mesh mesh = shapes::sphere(1.0, 3);
+  const Field field = generate(mesh, fitGrid(mesh, {.resolution = 20}), {}, {.device = "cpu"}).field;
+  const Field band = toSparse(field);
+  EXPECT_EQ(codeOf([&] { toSparse(band); }), ErrorCode::Usage);
+  EXPECT_EQ(codeOf([&] { toDense(field); }), ErrorCode::Usage);
+}
+
+TEST(NarrowField, SaysWhatOfADenseFieldIsNotValid) {
+  Field field{.grid = {.dims = {4, 3, 2}, .spacing = 1.0}};
+  EXPECT_EQ(codeOf([&] { validate(field); }), ErrorCode::Usage);
+  field.distance = Buffer<float>(24);
+  EXPECT_EQ(codeOf([&] { validate(field); }), std::nullopt);
+  const auto refuses = [&](auto&& change) {
+    Field changed{.grid = field.grid, .distance = Buffer<float>(24)};
+    change(changed);
+    EXPECT_EQ(codeOf([&] { validate(changed); }), ErrorCode::Usage);
+  };
+  refuses([](Field& changed) { changed.distance.resizeUninitialized(23); });
+  refuses([](Field& changed) { changed.triangle.resizeUninitialized(23); });
+  refuses([](Field& changed) { changed.winding.resizeUninitialized(25); });
+  refuses([](Field& changed) { changed.confidence.resizeUninitialized(1); });
+  refuses([](Field& changed) { changed.grid.spacing = 0.0; });
+}
+
+TEST(NarrowField, CountsWhatADenseFieldHolds) {
+  Field field{.grid = {.dims = {5, 1, 1}, .spacing = 1.0}};
+  field.distance.resizeUninitialized(5);
+  std::ranges::copy(std::array{-2.0f, -1.5f, 0.0f, 1.5f, 2.0f}, field.distance.begin());
+  EXPECT_EQ(field.activeCount(), 5u);
+  EXPECT_EQ(field.clamp(), 0.0);
+  field.clampDistance = 2.0;
+  EXPECT_EQ(field.activeCount(), 3u);
+  EXPECT_EQ(field.clamp(), 2.0);
+  EXPECT_EQ(field.distanceAt({3, 0, 0}), 1.5f);
+  EXPECT_EQ(field.bytes(), field.distance.capacityBytes());
+  field.triangle.resizeUninitialized(5);
+  EXPECT_EQ(field.bytes(), field.distance.capacityBytes() + field.triangle.capacityBytes());
+  const Field band = toSparse(field, {.outside = 1.0, .inside = 2.0});
+  EXPECT_EQ(band.clamp(), 1.0);
+  EXPECT_EQ(band.bytes(), band.distance.capacityBytes() + band.narrow->leaves.capacityBytes());
 }
 
 TEST(NarrowField, IsSampledAsItsDenseField) {
