@@ -14,7 +14,7 @@ from check_odr import tags
 from source_tree import COMMENT, STRING, chosen_root, files, finish, includes
 
 FOLDERS = ("include/", "src/", "apps/")
-IGNORED = re.compile(rf'{COMMENT}|R"(\w*)\(.*?\)\1"|{STRING}|^\s*#\s*include[^\n]*', re.DOTALL | re.MULTILINE)
+IGNORED = re.compile(rf'{COMMENT}|R"(\w*)\(.*?\)\1"|{STRING}|^\s*#\s*include[^\n]*|RAYMAP_ADDRESS\(\w+\)', re.DOTALL | re.MULTILINE)
 USED = re.compile(r"(?<![.:])(?<!->)\b([A-Za-z_]\w*)\b")  # No members, and none of other namespaces.
 STANDARD = re.compile(r"\bstd::(\w+)")
 HEADERS = {  # Of names that other headers of the standard library do not bring along reliably.
@@ -35,17 +35,25 @@ HEADER_OF = {name: header for header, names in HEADERS.items() for name in names
 
 
 def declared(root):
-    """Returns the one header by each name that it declares at namespace scope and nothing else declares as anything else."""
+    """Returns the one header by each name that it declares at namespace scope and nothing else declares as anything else, and
+    whether the program has the name, too: its files then need not that of the library."""
     found = {}
     kinds = ["--kinds-C=+deglmpxz", "--kinds-C++=+deglmpxz"]
     for tag in tags(root, kinds):
+        if not tag["path"].startswith(FOLDERS) or tag.get("scope", "").rpartition("::")[2] == tag["name"]:
+            continue  # Of a program that this one does not see, or a constructor.
         path, scope = tag["path"], tag.get("scopeKind", "namespace")
         is_local = "__anon" in tag.get("scope", "")
         is_own = path.endswith(".h") and not path.endswith("-inl.h") and path.startswith(FOLDERS) and scope == "namespace" and not is_local
         is_same = scope == "namespace" and not is_local and tag["kind"] in ("function", "prototype", "externvar")
         if is_own or not is_same:
             found.setdefault(tag["name"], set()).add(path if is_own else "elsewhere")
-    return {name: paths.pop() for name, paths in found.items() if len(paths) == 1 and "elsewhere" not in paths}
+    names = {}
+    for name, paths in found.items():
+        library = {path for path in paths if not path.startswith("apps/")} or paths
+        if len(library) == 1 and "elsewhere" not in paths:
+            names[name] = library.pop(), len(paths) > 1
+    return names
 
 
 class Tree:
@@ -81,8 +89,10 @@ def missing(tree, names, file):
         if name in HEADER_OF and HEADER_OF[name] not in brought:
             yield f"std::{name}", f"<{HEADER_OF[name]}>"
     for name in sorted(set(USED.findall(text)) & names.keys()):
-        if names[name] not in brought and not tree.declares(brought, name):
-            yield name, names[name]
+        header, is_in_program = names[name]
+        if header in brought or tree.declares(brought, name) or (is_in_program and file.startswith("apps/")):
+            continue
+        yield name, header
 
 
 def main():

@@ -38,6 +38,12 @@ class CheckIncludes(PlantedTree):
         self.assert_found_without("src/mesh/new.h", '"vulkan/device/shader.h"', "src/mesh/new.h: uses Shader without")
         self.assert_found_without("src/mesh/new.h", "<raymap/field.h>", "src/mesh/new.h: uses kNoTriangle without")
 
+    def test_finds_headers_of_classes_that_have_constructors_and_a_namesake_in_the_program(self):
+        self.put("src/mesh/new.h", "#include <raymap/buffer.h>\n\nBuffer<int> f();\n")
+        self.put("apps/new.h", "namespace raymap::view {\nstruct Buffer {};\nvoid f(Buffer&);\n}\n")
+        self.assert_accepted()
+        self.assert_found_without("src/mesh/new.h", "<raymap/buffer.h>", "src/mesh/new.h: uses Buffer without include/raymap/buffer.h")
+
     def test_knows_members_other_namespaces_and_comments(self):
         self.put("src/mesh/new.cpp", 'int f() { return a.shaderName() + b->shaderName() + c::shaderName(); }  // shaderName\n'
                  'const char* kText = "shaderName";\n')  # fmt: skip

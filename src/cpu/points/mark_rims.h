@@ -1,5 +1,6 @@
 #pragma once
 
+#include <raymap/buffer.h>
 #include <raymap/grid.h>
 
 #include <vector>
