@@ -56,7 +56,10 @@ Field makeBand(const Job& job, const MeshView& mesh, Mesh* taken, FileReport& re
 
 /// Makes a field that does not fit into memory, and writes it slab by slab.
 void makeSlabs(const Job& job, const MeshView& mesh, FileReport& report) {
-  const auto& [grid, options, files, machine] = job;
+  const Grid& grid = job.grid;
+  const FieldOptions& options = job.options;
+  const FieldFiles& files = job.files;
+  const MachineOptions& machine = job.machine;
   const Surface surface(mesh, {.orientation = options.orientation, .threshold = options.threshold}, machine);
   report.stats = surface.stats();
   report.plan = planSlabs(grid, options, machine, surface.bytes());
