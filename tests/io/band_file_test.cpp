@@ -303,7 +303,9 @@ TEST_P(BandFiles, HoldsSeveralBands) {
     EXPECT_NE(whyRefused([&] { writeFields(file, bands); }).find("both."), std::string::npos);
   EXPECT_NE(whyRefused([&] { writeFields(file, std::array{one}, {.gridName = "a"}); }), "");
   const Field dense = toDense(*one.field);
-  EXPECT_NE(whyRefused([&] { writeFields(file, std::array{NamedField{"dense", &dense}}); }).find("is dense"),
+  EXPECT_NE(whyRefused([&] {
+              writeFields(file, std::array{NamedField{"dense", &dense}});
+            }).find("is dense"),
             std::string::npos);
 }
 
