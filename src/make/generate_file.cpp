@@ -91,10 +91,8 @@ FileReport FileGenerator::run(const MeshView& mesh, Mesh* taken, const Grid& gri
                               const MachineOptions& machine) {
   const FieldOptions options = withArraysOf(files_, asked);
   const Job job{grid, options, files_, machine};
-  const size_t held = sizeof(float) * (field_.distance.size() + field_.triangle.size() +
-                                       field_.winding.size() + field_.confidence.size());
   form_ = FieldForm::Slabs;  // Nothing to write, if this fails.
-  FileReport report{.plan = planField(mesh, grid, options, files_, machine, held)};
+  FileReport report{.plan = planField(mesh, grid, options, files_, machine, field_.bytes())};
   const FieldForm form = report.plan.form;
   require(
       !files_.fullInside || form == FieldForm::NarrowBand,
