@@ -40,6 +40,23 @@ TEST_F(CliMain, SaysThatALibraryIsMissing) {
   EXPECT_NE(result.err.find("the library raymap-vdb.plugin that does is missing"), std::string::npos)
       << result.err;
   EXPECT_FALSE(fs::exists(path("torus.vdb")));
+  const Result found =
+      shell("RAYMAP_IMPORT=$R-import ./alone generate torus.ply -o torus.vdb --resolution 20");
+  EXPECT_EQ(found.code, 0) << found.err;
+}
+
+TEST_F(CliMain, SaysThatALibraryIsNotItsOwn) {
+  if (!hasFieldFormat(".vdb")) GTEST_SKIP() << "without OpenVDB";
+  writeTorus();
+  const std::string generate = " && ./alone generate torus.ply -o torus.vdb --resolution 20";
+  const Result noLibrary = shell("cp $R alone && echo text >raymap-vdb.plugin" + generate);
+  EXPECT_EQ(noLibrary.code, exitCode(ErrorCode::Unsupported)) << noLibrary.err;
+  EXPECT_NE(noLibrary.err.find("cannot write a .vdb or .nvdb: "), std::string::npos) << noLibrary.err;
+  const Result another =
+      shell("cp $R alone && cp $(ldd $R | awk '/libm[.]so/ {print $3}') raymap-vdb.plugin" + generate);
+  EXPECT_EQ(another.code, exitCode(ErrorCode::Unsupported)) << another.err;
+  EXPECT_NE(another.err.find("raymap-vdb.plugin is of another version"), std::string::npos) << another.err;
+  EXPECT_FALSE(fs::exists(path("torus.vdb")));
 }
 
 TEST_F(CliMain, ShowsOptionsAsTheyAreWritten) {
