@@ -49,7 +49,7 @@ struct RAYMAP_API Field {
   Buffer<float> winding = {};      ///< Winding number, +1 inside a closed surface that faces outwards.
   Buffer<float> confidence = {};   ///< Confidence in the sign, 0 to 1.
   /// Distances are clamped to +-this, in the mesh's units; 0 = not clamped. `FieldOptions::band` times the
-  /// spacing. Not used of a narrow band.
+  /// spacing. A narrow band has widths of its own instead.
   double clampDistance = 0.0;
   /// Bounds of the surface that distances lead to, in the mesh's units; empty if they are not known. They
   /// tell what may lie outside the grid; see raymap/sample.h.
@@ -59,8 +59,8 @@ struct RAYMAP_API Field {
   /// Returns the distance of a sample. Only the sign of one without a leaf is known: it is `outside`, or
   /// minus `inside`.
   float distanceAt(const glm::ivec3& sample) const;
-  /// Returns the distance below which none is clamped: of a narrow band that of its narrower side; 0 = none
-  /// is.
+  /// Returns the magnitude to which distances are clamped, in a narrow band on its narrower side; 0 if they
+  /// are not.
   double clamp() const;
   /// Returns the number of samples with values whose distance is not clamped.
   size_t activeCount() const;

@@ -59,7 +59,7 @@ struct FileReport {
 ///
 /// Narrow bands and slabs are made by a `Surface`: on the CPU, with exact distances and the sign `Harmonic`,
 /// without `closeHoles`, `invert` and `thickness`; a narrow band without further arrays. All else is whole.
-/// Only the limits of memory count of `machine`, and whether it names a GPU. Throws `Error(Usage)` for files
+/// Uses only the limits of memory of `machine`, and whether it names a GPU. Throws `Error(Usage)` for files
 /// that make no sense.
 RAYMAP_API FieldPlan planFile(const MeshView& mesh, const Grid& grid, const FieldOptions& options,
                               const FieldFiles& files, const MachineOptions& machine = {});

@@ -24,9 +24,9 @@ struct NamedField {
   const Field* field = nullptr;
 };
 
-/// Throws `Error(Usage)` unless the grid makes sense, and each array that is not empty has a value for each
-/// sample, or of a narrow band 512 for each leaf, whose widths make sense and whose leaves and tiles lie on
-/// the grid, in their order. Fields from this library are valid.
+/// Throws `Error(Usage)` unless the grid makes sense and each array that is not empty has its values: one per
+/// sample, or 512 per leaf. A narrow band must have positive widths, and leaves and tiles in their order on
+/// the grid. Fields from this library are valid.
 RAYMAP_API void validate(const Field& field);
 
 /// Returns the field of all samples of a narrow band. Distances are those of `Field::distanceAt`.

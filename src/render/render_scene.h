@@ -11,7 +11,7 @@ namespace raymap {
 Picture renderScene(const DrawnScene& scene, const RenderOptions& options, const MachineOptions& machine);
 
 /// Throws `Error` unless an array has a finite number per sample: Usage if it has another count, else Input.
-/// Of a narrow band, those in no leaf have no number.
+/// Samples of a narrow band that lie in no leaf have none.
 void checkNumbers(const Field& field, FieldArray array);
 
 }  // namespace raymap

@@ -197,7 +197,7 @@ struct ShownField {
   const Field& shown;                     ///< Its samples on the grid of the page.
   const Field& measured;                  ///< The field as given; of a band, those samples.
   const Grid& grid;                       ///< Grid of all its samples.
-  const std::optional<NarrowBand>& band;  ///< Of a narrow band.
+  const std::optional<NarrowBand>& band;  ///< Leaves of the field as given, if it is a narrow band.
 };
 
 /// Returns a field as it is, or makes `made` of it, which the result keeps a reference to.

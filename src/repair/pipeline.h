@@ -14,8 +14,8 @@ inline void runRepair(RepairRun& run) {
   const RepairOptions& options = run.options;
   RepairReport& report = run.report;
 
-  // What is wrong with the mesh. Mends what is certain: turns faces back, closes holes, joins a base. If
-  // nothing is wrong then, the mesh keeps its faces.
+  // Finds what is wrong with the mesh, and mends what is certain: turns faces back, closes holes, joins a
+  // base. If nothing is wrong then, the mesh keeps its faces.
   run.stage("inspect", [&] { inspectGiven(run); });
   if (report.kept) return;
 
@@ -46,12 +46,12 @@ inline void runRepair(RepairRun& run) {
   roundResult(run);
   if (!options.measure) return countPieces(Model(run.result), report);
 
-  // What is wrong with the result, and how far it is from the mesh.
+  // Finds what is wrong with the result, and how far it is from the mesh.
   run.stage("measure", [&] {
     inspectResult(run);
     measure(run);
   });
-  // What the result lacks, and the samples that would keep it.
+  // Finds what the result lacks, and the samples that would keep it.
   if (!run.dropped.triangles.empty()) run.stage("dropped", [&] { leaveOutDropped(run); });
   if (!run.lost.empty() && report.leastThickness == 0.0) run.stage("surface", [&] { run.surface(); });
   run.stage("loss", [&] { inspectLoss(run); });
