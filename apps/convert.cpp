@@ -66,7 +66,7 @@ void writeConverted(const ConvertArguments& arguments, Mesh& mesh, std::vector<g
 void warnOfDropped(const ConvertArguments& arguments, const Field& field) {
   const std::filesystem::path output = named(arguments.output, arguments.format.output);
   std::string dropped = hasExtension(output, {".npy"}) ? "the grid" : "";
-  const std::vector<FieldArray> arrays = heldArrays(field);
+  const std::vector<FieldArray> arrays = field.arrays();
   const bool isDistance = arrays[0] == FieldArray::Distance;  // Other arrays are written alone.
   const bool holdsAll = isDistance && hasExtension(output, {".npz", ".vti", ".vdb", ".nvdb"});
   for (size_t a = 1; a < arrays.size() && !holdsAll; ++a)

@@ -4,15 +4,11 @@
 
 #include <filesystem>
 #include <string>
-#include <vector>
 
 namespace raymap {
 
 /// Returns the box of the outermost samples.
 Box boxOf(const Grid& grid);
-
-/// Returns the arrays that a file holds, distance first.
-std::vector<FieldArray> heldArrays(const Field& field);
 
 /// Returns the array that a file holds: the distance, or one that `generate` wrote by itself. A narrow band
 /// has distances.

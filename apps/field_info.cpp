@@ -112,7 +112,7 @@ void print(const Field& field, const FieldInfo& info, const std::string& unit) {
   printLine("last sample", box.max);
   std::printf("%-24s %.9g\n", "spacing", grid.spacing);
   printLine("unit", unit.empty() ? "not stated" : unit);
-  printLine("arrays", listOf(heldArrays(field)));
+  printLine("arrays", listOf(field.arrays()));
   if (surface.isEmpty()) {
     printLine("surface, lowest", "not known");
   } else {
@@ -129,7 +129,7 @@ void print(const Field& field, const FieldInfo& info, const std::string& unit) {
 
 Json describe(const Field& field, const FieldInfo& info, const std::string& unit) {
   Json arrays = Json::array();
-  for (const FieldArray array : heldArrays(field)) arrays.push_back(name(array));
+  for (const FieldArray array : field.arrays()) arrays.push_back(name(array));
   const bool isDistance = info.array == FieldArray::Distance;
   Json json{{"grid",
              {{"dims", toJson(field.grid.dims)},

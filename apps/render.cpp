@@ -230,7 +230,7 @@ void printShown(const Page& page, const Field& first, const Field* second, const
   if (shown != all)
     std::printf("it shows %d x %d x %d samples of %d x %d x %d; more with --max-size\n", shown.x, shown.y,
                 shown.z, all.x, all.y, all.z);
-  if (first.narrow && heldArrays(first).size() > 1)
+  if (first.narrow && first.arrays().size() > 1)
     std::printf("it shows the distances of the narrow band; a picture can show its other arrays\n");
   if (second && second->grid != first.grid && second->grid != page.grid)
     std::printf("it shows %s on the grid of %s\n", options.otherTitle.c_str(), options.title.c_str());

@@ -9,7 +9,8 @@ mend.
 
 A function that src/layers.txt keeps to some folders is called in these alone.
 
-A module of the Python package imports only the add-ons that src/layers.txt names for it: the package itself none.
+A module of the Python package imports only the add-ons that src/layers.txt names for it: the package itself none. An add-on
+imports what the package offers its users, and of the package's own modules only those that src/layers.txt names for it.
 
 A room, which is a folder of src or another folder of code, has at most as many lines as src/layers.txt grants it.
 
@@ -46,7 +47,7 @@ class Layers:
         self.headers = {}  # Layer of each public header.
         self.budgets = {}  # Most lines of each room.
         self.callers = {}  # Folders that may call a function.
-        self.addons = {}  # Add-ons of the Python package, and those that each imports.
+        self.addons = {}  # Add-ons of the Python package: the others and the modules of its own that each imports.
         self.problems = []
         for number, line in enumerate(path.read_text().splitlines(), 1):
             line = line.partition("#")[0].strip()
@@ -179,22 +180,33 @@ def misplaced_calls(root, callers):
 
 
 def imported(path, package):
-    """The modules that a module of a package imports from it, as (line, parts of its name)."""
+    """What a module of a package imports from it, as (line, parts of the module's name, name)."""
     for node in ast.walk(ast.parse(path.read_text())):
         if isinstance(node, ast.ImportFrom) and node.level:
             parts = path.relative_to(package).parts[: -node.level] + tuple(filter(None, (node.module or "").split(".")))
-            yield from ((node.lineno, parts or (name.name,)) for name in node.names)
+            yield from ((node.lineno, parts or (name.name,), name.name) for name in node.names)
+
+
+def offered(package):
+    """The names that a package offers its users."""
+    front = package / "__init__.py"
+    found = re.search(r"^__all__ = (\[.*?\])", front.read_text() if front.is_file() else "", re.MULTILINE | re.DOTALL)
+    return ast.literal_eval(found[1]) if found else []
 
 
 def misplaced_imports(root, addons):
-    """The imports of add-ons by modules that may not import them. The package's front and its commands know all."""
+    """The imports that src/layers.txt does not let modules have. The package's front and its commands know all."""
     package = root / "python/raymap"
     for path in files(root, ("python/raymap",), {".py"}):
         own = path.relative_to(package).parts[0].removesuffix(".py")
-        if own not in ("__init__", "__main__"):
-            for line, parts in imported(path, package):
-                if parts[0] in addons and parts[0] not in (own, *addons.get(own, ())):
-                    yield f"{path.relative_to(root)}:{line} imports the add-on {parts[0]}: src/layers.txt does not let it"
+        if own in ("__init__", "__main__"):
+            continue
+        for line, (module, *_), name in imported(path, package):
+            if module == own or module in addons.get(own, ()):
+                continue
+            if module in addons or (own in addons and name not in offered(package)):
+                what = f"the add-on {module}" if module in addons else f"{name} of {module}"
+                yield f"{path.relative_to(root)}:{line} imports {what}: src/layers.txt does not let it"
 
 
 def check(root):

@@ -79,6 +79,12 @@ class CheckLayers(PlantedTree):
         self.put("python/raymap/dataset/run.py", "from ..recipes import recipe_of\nfrom .work import Job\n")
         self.assert_found("python/raymap/_mesh.py:1 imports the add-on dataset", "python/raymap/zarr/store.py:1 imports the add-on torch")
 
+    def test_finds_an_import_of_the_package_by_an_add_on(self):
+        self.put("python/raymap/__init__.py", '__all__ = [\n    "Field",\n]\n')
+        self.put("python/raymap/jax.py", "from ._field import Field, core_of_field\nfrom ._trilinear import interpolate\n")
+        printed = self.assert_found("python/raymap/jax.py:1 imports core_of_field of _field: src/layers.txt does not let it")
+        self.assertEqual(len(printed), 2)
+
     def test_finds_a_call_where_it_may_not_stand(self):
         self.put("apps/slabs.cpp", "// regionBytes(size)\nsize_t bytes = surface.regionBytes(size) + slabRegionBytes(size);\n")
         self.put("python/raymap/blocks.py", "# region_bytes(dims)\nneeded = _raymap.region_bytes(dims)\n")

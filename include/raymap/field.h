@@ -37,6 +37,9 @@ struct RAYMAP_API NarrowBand {
   bool isActive(float value) const { return value < float(outside) && value > -float(inside); }
 };
 
+/// One of a field's arrays.
+enum class FieldArray { Distance, Winding, Confidence, Triangle };
+
 /// A sampled signed distance field. Arrays that were not asked for are empty.
 ///
 /// Arrays hold one value per sample, x fastest; see `Grid::index`. Those of a narrow band hold 512 values per
@@ -56,6 +59,10 @@ struct RAYMAP_API Field {
   Box surfaceBounds = {};
   std::optional<NarrowBand> narrow = {};  ///< Leaves of a narrow band; none if the arrays hold all samples.
 
+  /// Returns whether the field has an array. A narrow band has distances.
+  bool has(FieldArray array) const;
+  /// Returns the arrays that the field has, the distance first.
+  std::vector<FieldArray> arrays() const;
   /// Returns the distance of a sample. Only the sign of one without a leaf is known: it is `outside`, or
   /// minus `inside`.
   float distanceAt(const glm::ivec3& sample) const;
@@ -67,9 +74,6 @@ struct RAYMAP_API Field {
   /// Returns the bytes that the field holds.
   size_t bytes() const;
 };
-
-/// One of a field's arrays.
-enum class FieldArray { Distance, Winding, Confidence, Triangle };
 
 /// Value of `Field::triangle` where the distance is clamped, and where surface that closes a hole is closer.
 inline constexpr uint32_t kNoTriangle = 0xffffffffu;

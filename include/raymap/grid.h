@@ -25,6 +25,8 @@ struct Grid {
 };
 
 inline constexpr int kDefaultResolution = 128;
+/// Most samples along a side of a lattice whose samples are not all held: of a narrow band or a region.
+inline constexpr int kMostDims = 1 << 24;
 
 /// How to lay a grid over a mesh.
 struct GridOptions {

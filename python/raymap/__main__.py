@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import importlib
+import inspect
 import logging
 import os
 import re
@@ -13,13 +14,14 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager, nullcontext
 from functools import partial
 from pathlib import Path
-from typing import Any, get_args
+from typing import Any, Literal, get_args, get_origin, get_type_hints
 
 from . import dataset, zarr
 from ._errors import Error, FileError, UsageError, code_of
 from ._frames import Normalization
-from ._records import DistanceMode, Orientation, Sampling, SignMode
-from ._samples import Region
+from ._generate import generate
+from ._records import FieldArray
+from ._samples import sample_points
 from .dataset.files import printable, readable
 from .dataset.pages import page_paths
 from .recipes import RecipeName
@@ -90,48 +92,13 @@ A mesh that fails goes to OUT/quarantine, and the run goes on."""
 def _add_dataset(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("meshes", nargs="+", metavar="FOLDER", help="folder of meshes, or meshes")
     parser.add_argument("-o", "--output", required=True, metavar="OUT", help="folder of the results")
+    _add_arguments(parser, dataset.generate, "client")
+    _add_arguments(parser, generate, "origin", "offsets", "allow_empty", "progress", device="cpu", threads=1, memory_limit="4GB")
+    parser.add_argument("-n", type=int, metavar="N", default=argparse.SUPPRESS, help="with --what points: number of points of each mesh")
+    _add_arguments(parser, sample_points, "padding", "normalize", "threads", "progress", group="points")
     add = partial(parser.add_argument, default=argparse.SUPPRESS)
-    add("--what", choices=["field", "points"], help="what is made of each mesh (field)")
-    add("--format", choices=dataset.FORMATS, help="format of the fields (npz)")
-    add("--table", metavar="FILE.parquet", help="write the table there, too, with types; needs pyarrow")
-    _add_grid(add)
-    add("--shape", type=int, nargs=3, metavar=("NX", "NY", "NZ"), help="number of samples of every field")
-    add("--cube", action="store_true", help="as many samples along every side: fields that can be stacked")
-    add("--distance", choices=get_args(DistanceMode), help="source of the magnitude (exact)")
-    add("--sign", choices=get_args(SignMode), help="method that decides inside and outside (harmonic)")
-    add("--passes", type=int, metavar="P", help="passes of --sign paths, or steps of evolution (5)")
-    add("--sampling", choices=get_args(Sampling), help="offset points of --sign paths and evolution (spread)")
-    add("--threshold", type=float, metavar="W", help="a sample is inside if its winding number exceeds this (0.5)")
-    add("--invert", action="store_true", help="inside is positive instead of negative")
-    add("--close-holes", action="store_true", help="distances count the surface that is missing in holes")
-    add("--thickness", type=float, metavar="T", help="thickness of a wall around the surface, in place of the sign")
-    add("--band", type=float, metavar="B", help="clamp distances at so many samples")
-    add("--sparse", action="store_true", help="narrow bands, which grow with the surface, as vdb or nvdb")
-    add("--truncation", type=float, metavar="D", help="clamp distances at this length, in place of --band")
-    add("--pyramid", type=int, metavar="N", help="number of coarser levels in each .npz, each of half the resolution (0)")
-    add("--arrays", nargs="+", choices=["winding", "confidence", "triangle"], help="arrays beside the distance")
-    add("-n", type=int, metavar="N", help="with --what points: number of points of each mesh")
-    add("--near", type=float, metavar="SHARE", help="points: share near the surface (0.94)")
-    add("--sigma", type=float, nargs="+", metavar="S", help="points: their standard deviations (0.0025 0.00025)")
-    add("--surface", type=float, metavar="SHARE", help="points: share on the surface (0)")
-    add("--region", choices=get_args(Region), help="points: where those lie that are not near the surface (sphere)")
     add("--recipe", choices=get_args(RecipeName), help="points: those of a network, in its files")
-    add("--seed", type=int, metavar="K", help="points: another number gives other points (0)")
-    add(
-        "--normalize",
-        nargs="?",
-        const="sphere",
-        choices=get_args(Normalization),
-        help="move every mesh to 0, and scale its bounding sphere to radius 1 (sphere), or its longest side to 2 (cube) or 1 (unit)",
-    )
-    add("--device", metavar="ID", help="device that computes (cpu)")
-    add("--threads", type=int, metavar="N", help="threads for each mesh (1)")
-    add("--workers", type=int, metavar="N", help="meshes at a time on this machine (as many as processors)")
-    add("--memory-limit", type=_bytes, metavar="SIZE", help="most memory for a mesh, as 500MB or 4GB (4GB)")
-    add("--time-limit", type=float, metavar="S", help="most seconds for a mesh (600)")
-    add("--retry", action="store_true", help="try quarantined meshes again although nothing has changed")
-    add("--dry-run", action="store_true", help="write nothing; say how many meshes there are to make")
-    add("--pages", action="store_true", help="write a page beside each field that shows it in a browser")
+    add("--pyramid", type=int, metavar="N", help="number of coarser levels in each .npz, each of half the resolution (0)")
     _add_run(parser)
 
 
@@ -161,27 +128,46 @@ It may be stopped and run again at any time: a second run makes the shards that 
 def _add_field(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("mesh", metavar="MESH", help="file of the mesh")
     parser.add_argument("-o", "--output", required=True, metavar="OUT.zarr", help="folder of the store")
-    add = partial(parser.add_argument, default=argparse.SUPPRESS)
-    _add_grid(add)
-    add("--band", type=float, metavar="B", help="clamp distances at so many samples, which makes the store sparse")
-    add("--unsigned", dest="sign", action="store_false", help="distances without a sign")
-    add("--chunks", type=int, metavar="N", help="samples along the side of a chunk (64)")
-    add("--shards", type=int, metavar="N", help="samples along the side of a shard, a file of many chunks (256)")
-    add("--pyramid", type=int, metavar="N", help="number of coarser levels, each of half the resolution (0)")
-    add("--unit", choices=zarr.UNITS, metavar="UNIT", help="unit of the mesh's lengths, such as millimeter")
-    add("--overwrite", action="store_true", help="remove a store of other options or another mesh in OUT.zarr")
-    add("--threads", type=int, metavar="N", help="shards at a time on this machine (as many as processors)")
-    add("--memory-limit", type=_bytes, metavar="SIZE", help="most memory on this machine (what is available)")
+    _add_arguments(parser, zarr.generate, "sign", "client", "progress")
+    parser.add_argument("--unsigned", dest="sign", action="store_false", default=argparse.SUPPRESS, help="distances without a sign")
     _add_run(parser)
 
 
-def _add_grid(add: Callable[..., object]) -> None:
-    """Adds what all commands have that make fields."""
-    add("--resolution", type=int, metavar="N", help="samples along the longest side (128)")
-    add("--voxel-size", type=float, metavar="H", help="distance between samples, in place of --resolution")
-    add("--padding", type=float, metavar="P", help="padding of the bounds, as a share of their longest side (0.1)")
-    add("--bounds", type=float, nargs=6, metavar=tuple("xyzXYZ"), help="box to cover, its lowest and highest corner")
-    add("--orientation", choices=get_args(Orientation), help="whether faces are reversed (auto)")
+def _add_arguments(
+    parser: argparse.ArgumentParser, function: Callable[..., object], *left_out: str, group: str = "", **defaults: object
+) -> None:
+    """Adds the keyword arguments of a function as options. Their help begins its docstring's texts."""
+    hints, texts = get_type_hints(function), inspect.getdoc(function) or ""
+    for name, parameter in inspect.signature(function).parameters.items():
+        if parameter.kind is not parameter.KEYWORD_ONLY or name in left_out:
+            continue
+        found = re.search(rf"^    {name}: (.*(?:\n        .*)*)", texts, re.MULTILINE)
+        text = re.sub(r"\s+", " ", found[1]) if found else ""
+        default = defaults.get(name, parameter.default)
+        parser.add_argument(
+            f"--{name.replace('_', '-')}",
+            default=argparse.SUPPRESS,
+            help=(f"{group}: " if group else "") + _help(text, default),
+            **(_FORMS.get(name) or _form(hints[name])),
+        )
+
+
+def _help(text: str, default: object) -> str:
+    """Returns the first sentence of an argument's text, as help has it."""
+    sentence = re.split(r"; None = |\. |\.$", text.replace("``", "").replace('"', ""))[0].replace("Whether to ", "")
+    sentence = sentence[:1].lower() + sentence[1:].replace("if it is None", "if it is not given")
+    if default not in (None, False):
+        sentence += f" ({' '.join(map(str, default)) if isinstance(default, tuple) else default})"
+    return sentence.replace("%", "%%")
+
+
+def _form(hint: Any) -> dict[str, Any]:
+    """Returns how argparse reads a value of a type."""
+    if get_origin(hint) is Literal:
+        return {"choices": get_args(hint)}
+    if hint is bool:
+        return {"action": "store_true"}
+    return {"type": next(each for each in (int, float, str) if each in (hint, *get_args(hint)))}
 
 
 def _add_run(parser: argparse.ArgumentParser) -> None:
@@ -199,6 +185,20 @@ def _bytes(text: str) -> int:
     if not (match := re.fullmatch(r"((?:\d+\.?\d*|\.\d+)(?:e[+-]?\d+)?) ?(?:([KMGT])I?)?B?", text, re.IGNORECASE)):
         raise argparse.ArgumentTypeError(f"{text!r} is not a size; give one as 500MB or 4GB")
     return int(float(match[1]) * 1024 ** " KMGT".index((match[2] or " ").upper()))
+
+
+# Arguments that the command line gives in another way than their types say.
+_FORMS: dict[str, dict[str, Any]] = {
+    "arrays": {"nargs": "+", "choices": sorted({*get_args(FieldArray)} - {"distance"})},
+    "bounds": {"type": float, "nargs": 6, "metavar": tuple("xyzXYZ")},
+    "band": {"type": float},
+    "memory_limit": {"type": _bytes, "metavar": "SIZE"},
+    "normalize": {"nargs": "?", "const": "sphere", "choices": get_args(Normalization)},
+    "shape": {"type": int, "nargs": 3, "metavar": ("NX", "NY", "NZ")},
+    "sigma": {"type": float, "nargs": "+"},
+    "table": {"metavar": "FILE.parquet"},
+    "unit": {"choices": zarr.UNITS, "metavar": "UNIT"},
+}
 
 
 def _dataset(meshes: list[str], output: str, scheduler: str | None, progress: str | None, **options: Any) -> int:

@@ -32,16 +32,9 @@ auto withArray(AField& field, std::string_view array, Use&& use) {
   return use(field.distance);
 }
 
-/// Returns whether a field has an array. A narrow band without leaves has its distances nonetheless.
-bool hasArray(const Field& field, std::string_view array) {
-  return withArray(field, array, [&](const auto& buffer) { return !buffer.empty(); }) ||
-         (field.narrow && array == name(FieldArray::Distance));
-}
-
-std::vector<std::string> arrayNames(const FieldHandle& handle) {
-  std::vector<std::string> all;
-  for (const std::string_view name : names<FieldArray>())
-    if (hasArray(handle.field, name)) all.emplace_back(name);
+std::vector<std::string_view> arrayNames(const FieldHandle& handle) {
+  std::vector<std::string_view> all;
+  for (const FieldArray array : handle.field.arrays()) all.push_back(name(array));
   return all;
 }
 
@@ -49,7 +42,7 @@ std::vector<std::string> arrayNames(const FieldHandle& handle) {
 /// if the field does not have it.
 nb::object viewArray(nb::handle_t<FieldHandle> self, std::string_view name) {
   Field& field = nb::cast<FieldHandle&>(self).field;
-  if (!hasArray(field, name)) return nb::none();
+  if (!field.has(fromName<FieldArray>(name))) return nb::none();
   return withArray(field, name, [&](auto& buffer) -> nb::object {
     using Array = nb::ndarray<nb::numpy, std::remove_reference_t<decltype(buffer[0])>>;
     if (field.narrow) {

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import argparse
 import fcntl
+import inspect
 import json
 import os
 import re
 import shutil
 import struct
 import sys
+from collections.abc import Callable
 from pathlib import Path
 from urllib.parse import unquote
 
@@ -802,3 +804,22 @@ def test_the_command_line(meshes: Path) -> None:
     assert (wrong.returncode, wrong.stderr) == (2, "raymap: error: resolution is no option of points\n")
     assert run_module("dataset", "nowhere", "-o", "out").returncode == 4
     assert run_module("dataset", meshes, "-o", "out", "--memory-limit", "much").returncode == 2
+
+
+@pytest.mark.parametrize(
+    ("name", "functions", "others"),
+    [
+        ("dataset", [raymap.dataset.generate, raymap.generate], {"client", "origin", "offsets", "allow_empty"}),
+        ("field", [raymap.zarr.generate], {"client", "sign"}),
+    ],
+)
+def test_a_command_explains_the_arguments_of_its_functions(
+    name: str, functions: list[Callable[..., object]], others: set[str], capsys: pytest.CaptureFixture[str]
+) -> None:
+    with pytest.raises(SystemExit):
+        command.main([name, "--help"])
+    text = " ".join(capsys.readouterr().out.partition("options:")[2].split())
+    for function in functions:
+        for parameter in inspect.signature(function).parameters.values():
+            if parameter.kind is parameter.KEYWORD_ONLY and parameter.name not in others:
+                assert re.search(rf"--{parameter.name.replace('_', '-')} [^-]*[a-z]{{3,}}", text), parameter.name

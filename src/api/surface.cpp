@@ -43,10 +43,10 @@ void check(const QueryOptions& options, bool isSigned) {
 }
 
 void checkLattice(const Grid& grid) {
-  constexpr int kMostDims = 1 << 24;
   for (int axis = 0; axis < 3; ++axis)
     require(grid.dims[axis] > 0 && grid.dims[axis] <= kMostDims,
-            "a lattice has 1 to 16777216 samples along each axis, not " + std::to_string(grid.dims[axis]));
+            "a lattice has 1 to " + std::to_string(kMostDims) + " samples along each axis, not " +
+                std::to_string(grid.dims[axis]));
   validateGrid(grid);
 }
 

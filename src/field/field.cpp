@@ -61,7 +61,6 @@ void checkOrder(const Cubes& cubes, const glm::ivec3& dims, const char* what, Lo
 }  // namespace
 
 void validate(const Field& field) {
-  constexpr int kMostDims = 1 << 24;
   validateField(field);
   if (!field.narrow) {
     if (!field.triangle.empty()) validateArray(field, FieldArray::Triangle);
@@ -72,7 +71,7 @@ void validate(const Field& field) {
   const NarrowBand& band = *field.narrow;
   const glm::ivec3 dims = field.grid.dims;
   require(std::max({dims.x, dims.y, dims.z}) <= kMostDims,
-          "a lattice has at most 16777216 samples along each axis");
+          "a lattice has at most " + std::to_string(kMostDims) + " samples along each axis");
   require(band.outside > 0.0 && std::isfinite(band.outside), "the band outside must be positive and finite");
   require(band.inside > 0.0, "the band inside must be positive");
   checkOrder(std::span<const glm::ivec3>(band.leaves), dims, "leaf", std::identity(),
@@ -117,6 +116,28 @@ float Field::distanceAt(const glm::ivec3& sample) const {
   const auto& tiles = narrow->tiles;
   const auto tile = lastBefore(tiles, sample, [](const NarrowBand::Tile& each) { return each.low; });
   return tile != tiles.end() && contains(tile->low, tile->side, sample) ? -float(narrow->inside) : outside;
+}
+
+bool Field::has(FieldArray array) const {
+  switch (array) {
+    case FieldArray::Winding:
+      return !winding.empty();
+    case FieldArray::Confidence:
+      return !confidence.empty();
+    case FieldArray::Triangle:
+      return !triangle.empty();
+    case FieldArray::Distance:
+      break;
+  }
+  return narrow || !distance.empty();
+}
+
+std::vector<FieldArray> Field::arrays() const {
+  std::vector<FieldArray> held;
+  for (const FieldArray array :
+       {FieldArray::Distance, FieldArray::Winding, FieldArray::Confidence, FieldArray::Triangle})
+    if (has(array)) held.push_back(array);
+  return held;
 }
 
 double Field::clamp() const {

@@ -219,14 +219,10 @@ const Format& bandFormat(const fs::path& path, const FieldWriteOptions& options)
 
 /// Returns the names of all grids of one of several bands.
 std::vector<std::string> gridNames(const NamedField& each) {
-  const Field& band = *each.field;
-  std::vector<std::string> names{std::string(each.name)};
-  const auto add = [&](std::string_view array, bool isHeld) {
-    if (isHeld) names.push_back(arrayGridName(each.name, array));
-  };
-  add("triangle", !band.triangle.empty());
-  add("winding", !band.winding.empty());
-  add("confidence", !band.confidence.empty());
+  std::vector<std::string> names;
+  for (const FieldArray array : each.field->arrays())
+    names.push_back(array == FieldArray::Distance ? std::string(each.name)
+                                                  : arrayGridName(each.name, kArrayNames[size_t(array)]));
   return names;
 }
 

@@ -14,12 +14,9 @@ void writeDense(const std::filesystem::path& path, const Field& band, const Fiel
     return writeField(path, toDense(band), options);
   const glm::ivec3 dims = band.grid.dims;
   SlabFile file{.path = path, .arrays = {options.array}};
-  const auto add = [&](FieldArray array, bool isHeld) {
-    if (isHeld && format == ".vti" && options.array == FieldArray::Distance) file.arrays.push_back(array);
-  };
-  add(FieldArray::Triangle, !band.triangle.empty());
-  add(FieldArray::Winding, !band.winding.empty());
-  add(FieldArray::Confidence, !band.confidence.empty());
+  if (format == ".vti" && options.array == FieldArray::Distance)
+    for (const FieldArray array : {FieldArray::Triangle, FieldArray::Winding, FieldArray::Confidence})
+      if (band.has(array)) file.arrays.push_back(array);
   const Field about{.grid = band.grid, .clampDistance = band.clamp(), .surfaceBounds = band.surfaceBounds};
   const auto slab = [&](int begin, int end) {
     return toDense(band, {{0, 0, begin}, {dims.x, dims.y, end - begin}});

@@ -8,7 +8,7 @@ import os
 from collections.abc import Callable, Iterable, Mapping
 from contextlib import suppress
 from pathlib import Path
-from typing import Any, TypeAlias
+from typing import Any, TypeAlias, get_args, get_type_hints
 
 import numpy as np
 
@@ -145,7 +145,6 @@ def _meshes_below(folder: Path, out: Path) -> dict[str, str]:
 
 
 _APART = {"threads", "memory_limit", "progress"}  # Results do not depend on them.
-_REALS = {"voxel_size", "padding", "threshold", "thickness", "band", "truncation", "near", "surface"}
 
 
 def _field_options(options: Options, format: str, pages: bool) -> dict[str, Any]:
@@ -200,7 +199,8 @@ def _with_defaults(options: Mapping[str, object], function: Callable[..., Any], 
             raise UsageError(f"{name} is no option of {what}")
         raise TypeError(f"generate() got an unexpected keyword argument {name!r}")
     values = {name: options.get(name, known[name].default) for name in known.keys() - _APART - {"recipe"}}
-    return {name: _plain(value, name in _REALS) for name, value in values.items()}
+    hints = get_type_hints(function)
+    return {name: _plain(value, float in (hints[name], *get_args(hints[name]))) for name, value in values.items()}
 
 
 def _plain(value: Any, is_real: bool) -> Any:

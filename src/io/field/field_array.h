@@ -46,10 +46,10 @@ NamedArray halvesOf(const NamedArray& array, Buffer<uint16_t>& memory);
 
 /// Returns the arrays that a file of several holds: all of the field with the distance, any other one alone.
 std::vector<NamedArray> arraysWith(const Field& field, const NamedArray& asked);
-/// Names of a field's arrays in files, in the order of `FieldArray`.
 /// Returns the largest magnitude of the finite values, or 0.
 float largestMagnitude(std::span<const float> values);
 
+/// Names of a field's arrays in files, in the order of `FieldArray`.
 inline constexpr std::array<std::string_view, 4> kArrayNames{"distance", "winding", "confidence", "triangle"};
 /// Returns whether a field has an array of this name.
 bool isFieldArray(std::string_view name);

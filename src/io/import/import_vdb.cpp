@@ -221,12 +221,12 @@ bool isSentAsBand(const openvdb::GridBase& grid, const VdbHeader& header, uint64
 /// Returns the leaves of a grid, and says what they are. A grid of another program is placed anew: its
 /// lattice begins and ends with whole leaves.
 BandShape shapeOf(const openvdb::GridBase& grid, openvdb::CoordBBox box, VdbHeader& header) {
-  constexpr int64_t kMostDims = 1 << 24;
   if (!isOurs(grid)) box = leafBoxOf(box);
   place(grid, box, header);
   if (std::ranges::max(header.dims) > kMostDims)
     throw Error(ErrorCode::Unsupported, "its grid has " + std::to_string(std::ranges::max(header.dims)) +
-                                            " samples along an axis, more than 16777216; crop it");
+                                            " samples along an axis, more than " + std::to_string(kMostDims) +
+                                            "; crop it");
   BandShape shape(static_cast<const openvdb::FloatGrid&>(grid), box);
   shape.describe(header);
   return shape;
