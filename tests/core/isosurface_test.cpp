@@ -5,9 +5,11 @@
 #include <numbers>
 #include <random>
 #include <string>
+#include <utility>
 
 #include "analytic_fields.h"
 #include "closed_mesh.h"
+#include "field_kinds.h"
 #include "reference.h"
 #include "shapes.h"
 
@@ -44,6 +46,16 @@ void expectSound(const Mesh& mesh) {
   EXPECT_EQ(found.vertices, found.weldedVertices);
 }
 
+/// Returns the surface of a dense field, after it has compared it with that of the band of all its samples.
+Mesh surfaceOf(const Field& field, const IsosurfaceOptions& options = {}) {
+  const Mesh mesh = isosurface(field, options);
+  const Field band = toSparse(field, {.outside = 1e6, .inside = 1e6});
+  const Mesh same = isosurface(band, options, {.threads = 2});
+  EXPECT_TRUE(mesh.vertices == same.vertices && mesh.triangles == same.triangles);
+  EXPECT_EQ(mesh.origin, same.origin);
+  return mesh;
+}
+
 TEST(Isosurface, ClosesEveryCaseOfACube) {
   std::mt19937 random(1);
   std::uniform_real_distribution<double> magnitude(0.1, 1.0);
@@ -52,7 +64,7 @@ TEST(Isosurface, ClosesEveryCaseOfACube) {
     Field field = analytic::sampled(gridAround(1.0, 2), sphere(1.0));
     for (int c = 0; c < 8; ++c)
       field.distance[size_t(c)] = float((corners >> c & 1) != 0 ? -magnitude(random) : magnitude(random));
-    const Mesh mesh = isosurface(field);
+    const Mesh mesh = surfaceOf(field);
     expectSound(mesh);
     EXPECT_GT(volumeOf(mesh), 0.0);
   }
@@ -64,7 +76,7 @@ TEST(Isosurface, ClosesNoise) {
     std::mt19937 random(seed);
     std::normal_distribution<double> noise;
     const Field field = analytic::sampled(gridAround(6.0, 12), [&](const dvec3&) { return noise(random); });
-    const Mesh mesh = isosurface(field, {.iso = 0.1 * double(seed % 7) - 0.3});
+    const Mesh mesh = surfaceOf(field, {.iso = 0.1 * double(seed % 7) - 0.3});
     expectSound(mesh);
     EXPECT_GT(volumeOf(mesh), 0.0);
   }
@@ -76,7 +88,7 @@ TEST(Isosurface, ClosesNoiseThatIsZeroAtSamples) {
     std::mt19937 random(seed);
     const Field field =
         analytic::sampled(gridAround(6.0, 12), [&](const dvec3&) { return double(random() % 3) - 1.0; });
-    expectSound(isosurface(field));
+    expectSound(surfaceOf(field));
   }
 }
 
@@ -89,14 +101,14 @@ TEST(Isosurface, ClosesCheckerboards) {
       const glm::ivec3 cell = glm::ivec3(p + 6.0) / period;
       return ((cell.x + cell.y + cell.z) % 2 == 0 ? -1.0 : 1.0) * (1.0 + 0.001 * (n++ % 10));
     };
-    expectSound(isosurface(analytic::sampled(grid, board)));
+    expectSound(surfaceOf(analytic::sampled(grid, board)));
     const auto equal = [&](const dvec3& p) { return board(p) < 0.0 ? -1.0 : 1.0; };
-    expectSound(isosurface(analytic::sampled(grid, equal)));
+    expectSound(surfaceOf(analytic::sampled(grid, equal)));
   }
 }
 
 TEST(Isosurface, HasTheShapeOfASphere) {
-  const Mesh mesh = isosurface(analytic::sampled(gridAround(1.0, 40), sphere(0.7)));
+  const Mesh mesh = surfaceOf(analytic::sampled(gridAround(1.0, 40), sphere(0.7)));
   expectSound(mesh);
   const double h = 2.0 / 40;
   double worst = 0.0;
@@ -110,7 +122,7 @@ TEST(Isosurface, HasTheShapeOfASphere) {
 TEST(Isosurface, IsAsLargeAsASmallSphere) {
   for (const double radius :
        {4.0, 6.0}) {  // In samples. With its vertices on the sphere the mesh would be 2 % smaller.
-    const Mesh mesh = isosurface(analytic::sampled(gridAround(9.0, 18), sphere(radius)));
+    const Mesh mesh = surfaceOf(analytic::sampled(gridAround(9.0, 18), sphere(radius)));
     EXPECT_NEAR(volumeOf(mesh) / (4.0 / 3.0 * std::numbers::pi * radius * radius * radius), 1.0, 8e-3);
   }
 }
@@ -128,7 +140,7 @@ double blades(const dvec3& p) {
 }
 
 TEST(Isosurface, HasNoFacesThatCross) {
-  const Mesh mesh = isosurface(analytic::sampled(gridAround(10.0, 20), blades));
+  const Mesh mesh = surfaceOf(analytic::sampled(gridAround(10.0, 20), blades));
   expectSound(mesh);
   EXPECT_EQ(findSelfIntersections(mesh).pairs, 0u);
 }
@@ -147,14 +159,14 @@ TEST(Isosurface, ReportsProgressAndStops) {
 TEST(Isosurface, LiesAtTheIsoValue) {
   const Field field = analytic::sampled(gridAround(1.0, 40), sphere(0.5));
   for (const double iso : {-0.2, 0.15}) {
-    const Mesh mesh = isosurface(field, {.iso = iso});
+    const Mesh mesh = surfaceOf(field, {.iso = iso});
     EXPECT_NEAR(std::cbrt(volumeOf(mesh) * 0.75 / std::numbers::pi), 0.5 + iso, 1e-3);
   }
 }
 
 TEST(Isosurface, HasTheHoleOfATorus) {
   const auto torus = [](const dvec3& p) { return analytic::torus(p, 1.0, 0.4); };
-  const Mesh mesh = isosurface(analytic::sampled(gridAround(1.6, 48), torus));
+  const Mesh mesh = surfaceOf(analytic::sampled(gridAround(1.6, 48), torus));
   expectSound(mesh);
   EXPECT_EQ(int(mesh.vertices.size()) - int(mesh.triangles.size()) / 2, 0);
   const double truth = 2.0 * std::numbers::pi * std::numbers::pi * 0.16;
@@ -169,7 +181,7 @@ struct CubeError {
 CubeError cubeError(const glm::dmat3& turn, int count) {
   const Grid grid = gridAround(1.0, count);
   const dvec3 half(0.51, 0.43, 0.37);
-  const Mesh mesh = isosurface(
+  const Mesh mesh = surfaceOf(
       analytic::sampled(grid, [&](const dvec3& p) { return analytic::box(glm::transpose(turn) * p, half); }));
   expectSound(mesh);
   CubeError error;
@@ -212,7 +224,7 @@ TEST(Isosurface, ClosesASolidThatReachesTheBox) {
   warning = {};
   isosurface(analytic::sampled(grid, sphere(1.0)), {}, machine);
   EXPECT_EQ(warning.message, "");
-  const Mesh whole = isosurface(analytic::sampled(grid, [](const dvec3&) { return -1.0; }));
+  const Mesh whole = surfaceOf(analytic::sampled(grid, [](const dvec3&) { return -1.0; }));
   expectSound(whole);
   EXPECT_NEAR(volumeOf(whole), 64.0, 0.1);
 }
@@ -220,7 +232,7 @@ TEST(Isosurface, ClosesASolidThatReachesTheBox) {
 TEST(Isosurface, AcceptsGridsOfOneSample) {
   for (const glm::ivec3 dims : {glm::ivec3(1, 1, 1), glm::ivec3(5, 1, 1), glm::ivec3(1, 4, 3)}) {
     const Grid grid{dims, dvec3(0.0), 1.0};
-    const Mesh mesh = isosurface(analytic::sampled(grid, [](const dvec3&) { return -1.0; }));
+    const Mesh mesh = surfaceOf(analytic::sampled(grid, [](const dvec3&) { return -1.0; }));
     expectSound(mesh);
     EXPECT_NEAR(volumeOf(mesh) / double(grid.sampleCount()), 1.0, 0.06);
   }
@@ -239,9 +251,24 @@ TEST(Isosurface, IsTheSameForAnyNumberOfThreads) {
   }
 }
 
-TEST(Isosurface, ReportsWhyThereIsNone) {
-  Field field = analytic::sampled(gridAround(1.0, 8), sphere(0.5));
-  const auto errorOf = [&](double iso) -> std::string {
+TEST(Isosurface, ReusesTheMemoryOfItsResult) {
+  const Field field = analytic::sampled(gridAround(1.0, 8), sphere(0.5));
+  Mesh mesh = isosurface(field);
+  const Mesh again = mesh;
+  const glm::vec3* const memory = mesh.vertices.data();
+  isosurface(field, {}, mesh);
+  EXPECT_EQ(mesh.vertices.data(), memory);
+  EXPECT_EQ(mesh.vertices, again.vertices);
+  EXPECT_EQ(mesh.triangles, again.triangles);
+  EXPECT_THROW(isosurface(field, {.iso = -5.0}, mesh), Error);
+  EXPECT_TRUE(mesh.triangles.empty());
+}
+
+class IsosurfaceOfEachKind : public EachKind {};
+INSTANTIATE_TEST_SUITE_P(Fields, IsosurfaceOfEachKind, kEachKind, nameOfKind);
+
+TEST_P(IsosurfaceOfEachKind, ReportsWhyThereIsNone) {
+  const auto errorOf = [](const Field& field, double iso) -> std::string {
     try {
       isosurface(field, {.iso = iso});
     } catch (const Error& error) {
@@ -249,13 +276,20 @@ TEST(Isosurface, ReportsWhyThereIsNone) {
     }
     return {};
   };
-  EXPECT_NE(errorOf(-0.6).find("the field's values go from"), std::string::npos);
-  field.clampDistance = 0.2;
-  EXPECT_NE(errorOf(0.3).find("clamped at 0.2"), std::string::npos);
-  field.distance[field.grid.index({1, 2, 3})] = NAN;
-  EXPECT_NE(errorOf(0.0).find("sample (1, 2, 3)"), std::string::npos);
+  const auto ball = [](double clamp) {
+    Field field = analytic::sampled(gridAround(1.0, 8), sphere(0.5));
+    field.clampDistance = clamp;
+    return made(std::move(field));
+  };
+  EXPECT_NE(errorOf(ball(0.0), -0.6).find("the field's values go from"), std::string::npos);
+  Field field = ball(0.2);
+  EXPECT_NE(errorOf(field, 0.3).find("clamped at"), std::string::npos);
+  EXPECT_NE(errorOf(field, 0.3).find("0.2"), std::string::npos);
+  field = ball(0.0);
+  field.distance[placeOf(field, {1, 2, 3})] = NAN;
+  EXPECT_NE(errorOf(field, 0.0).find("sample (1, 2, 3)"), std::string::npos);
   field.distance.resizeUninitialized(3);
-  EXPECT_NE(errorOf(0.0).find("3 distances"), std::string::npos);
+  EXPECT_NE(errorOf(field, 0.0).find("holds 3 distances"), std::string::npos);
 }
 
 }  // namespace

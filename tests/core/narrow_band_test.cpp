@@ -5,7 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
+#include <span>
 
 #include "any_threads.h"
 #include "broken_meshes.h"
@@ -132,16 +132,13 @@ TEST(NarrowBand, DoesNotDependOnTheThreads) {
   const BandOptions options{.triangle = true, .winding = true, .confidence = true};
   const Field one = surface.generateBand(grid, options, {.threads = 1}),
               many = surface.generateBand(grid, options, {.threads = 3});
-  ASSERT_EQ(one.narrow->leaves.size(), many.narrow->leaves.size());
-  const auto same = [](const auto& a, const auto& b) {
-    return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(*a.data())) == 0;
-  };
-  EXPECT_TRUE(same(one.narrow->leaves, many.narrow->leaves));
-  EXPECT_TRUE(same(one.distance, many.distance));
-  EXPECT_TRUE(same(one.triangle, many.triangle));
-  EXPECT_TRUE(same(one.winding, many.winding));
-  EXPECT_TRUE(same(one.confidence, many.confidence));
-  EXPECT_TRUE(same(one.narrow->tiles, many.narrow->tiles));
+  EXPECT_TRUE(sameBits(one.narrow->leaves, many.narrow->leaves));
+  EXPECT_TRUE(sameBits(one.distance, many.distance));
+  EXPECT_TRUE(sameBits(one.triangle, many.triangle));
+  EXPECT_TRUE(sameBits(one.winding, many.winding));
+  EXPECT_TRUE(sameBits(one.confidence, many.confidence));
+  EXPECT_TRUE(std::ranges::equal(std::as_bytes(std::span(one.narrow->tiles)),
+                                 std::as_bytes(std::span(many.narrow->tiles))));
 }
 
 // 2^60 samples: more than 32 bits, or a float, can number.

@@ -4,17 +4,21 @@
 #include <raymap/raymap.h>
 
 #include <algorithm>
-#include <array>
 #include <bit>
 #include <cmath>
-#include <cstring>
+#include <functional>
+#include <initializer_list>
 #include <limits>
 #include <random>
 #include <span>
 #include <tuple>
 
+#include "analytic_fields.h"
+#include "any_threads.h"
+#include "bands.h"
 #include "broken_meshes.h"
 #include "error_code.h"
+#include "fill.h"
 #include "shapes.h"
 
 namespace raymap {
@@ -22,35 +26,11 @@ namespace {
 
 constexpr double kInfinite = std::numeric_limits<double>::infinity();
 
-template <class Number>
-bool same(const Buffer<Number>& a, const Buffer<Number>& b) {
-  return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(Number)) == 0;
-}
-
 template <class Visit>
 void forEachSample(const Grid& grid, Visit&& visit) {
   for (int z = 0; z < grid.dims.z; ++z)
     for (int y = 0; y < grid.dims.y; ++y)
       for (int x = 0; x < grid.dims.x; ++x) visit(glm::ivec3(x, y, z));
-}
-
-Mesh torusWithHoles() {
-  return withHoles(shapes::torus(1.0, 0.35, 40, 20), 3, 0.2, 7);
-}
-
-/// Bands of several widths, of a lattice around the mesh and of one that cuts it.
-std::vector<Field> someBands() {
-  std::vector<Field> bands;
-  const Mesh mesh = torusWithHoles();
-  const Surface surface(mesh);
-  const Box part{{-0.5, -0.4, -0.2}, {1.2, 1.1, 0.3}};
-  for (const Grid& grid :
-       {fitGrid(mesh, {.resolution = 45}), fitGrid(mesh, {.voxelSize = 0.04, .box = part})})
-    for (const BandOptions& options :
-         {BandOptions{.triangle = true, .winding = true, .confidence = true},
-          BandOptions{.outside = 1.5, .inside = 4.25}, BandOptions{.outside = 4.0, .inside = kInfinite}})
-      bands.push_back(surface.generateBand(grid, options));
-  return bands;
 }
 
 TEST(NarrowField, MakesADenseField) {
@@ -80,7 +60,7 @@ TEST(NarrowField, MakesADenseField) {
 }
 
 TEST(NarrowField, ComesFromADenseField) {
-  const Mesh mesh = torusWithHoles();
+  const Mesh mesh = withHoles(shapes::torus(1.0, 0.35, 40, 20), 3, 0.2, 7);
   const FieldOptions all{.triangle = true, .winding = true, .confidence = true};
   const Field field = generate(mesh, fitGrid(mesh, {.resolution = 70}), all, {.device = "cpu"}).field;
   for (const BandOptions& options :
@@ -117,12 +97,12 @@ TEST(NarrowField, KeepsItsLeavesOnTheWayThroughADenseField) {
     const Field band = surface.generateBand(grid, {.triangle = true});
     const Field again = toSparse(toDense(band), {.triangle = true});
     EXPECT_NO_THROW(validate(band));
-    EXPECT_TRUE(same(again.narrow->leaves, band.narrow->leaves));
-    EXPECT_TRUE(same(again.distance, band.distance));
-    EXPECT_TRUE(same(again.triangle, band.triangle));
+    EXPECT_TRUE(sameBits(again.narrow->leaves, band.narrow->leaves));
+    EXPECT_TRUE(sameBits(again.distance, band.distance));
+    EXPECT_TRUE(sameBits(again.triangle, band.triangle));
     EXPECT_TRUE(std::ranges::equal(std::as_bytes(std::span(again.narrow->tiles)),
                                    std::as_bytes(std::span(band.narrow->tiles))));
-    EXPECT_TRUE(same(toDense(again).distance, toDense(band).distance));
+    EXPECT_TRUE(sameBits(toDense(again).distance, toDense(band).distance));
   }
 }
 
@@ -179,66 +159,62 @@ TEST(NarrowField, RefusesBandsThatADenseFieldCannotGive) {
 }
 
 TEST(NarrowField, SaysWhatIsNotValid) {
-  const auto codeWith = [](auto&& change) {
-    Field band{.grid = {.dims = {40, 40, 40}, .spacing = 1.0},
-               .narrow = NarrowBand{.outside = 3.0, .inside = 3.0}};
-    band.narrow->leaves.resizeUninitialized(2);
-    band.narrow->leaves[0] = {8, 0, 0};
-    band.narrow->leaves[1] = {0, 8, 0};
-    band.distance.resizeUninitialized(2 * NarrowBand::kLeafSamples);
-    std::ranges::fill(band.distance, 1.0f);
-    band.narrow->tiles = {{{0, 0, 16}, 16}, {{32, 0, 0}, 8}};
-    change(band);
-    return codeOf([&] { validate(band); });
+  const auto expectRefused = [](auto&& make, std::initializer_list<void (*)(Field&)> changes) {
+    EXPECT_EQ(codeOf([&] { validate(make()); }), std::nullopt);
+    size_t number = 0;
+    for (const auto change : changes) {
+      Field field = make();
+      change(field);
+      EXPECT_EQ(codeOf([&] { validate(field); }), ErrorCode::Usage) << number;
+      ++number;
+    }
   };
-  EXPECT_EQ(codeWith([](Field&) {}), std::nullopt);
-  const auto refuses = [&](auto&& change) { EXPECT_EQ(codeWith(change), ErrorCode::Usage); };
-  refuses([](Field& band) { band.grid.spacing = 0.0; });
-  refuses([](Field& band) { band.grid.dims.z = (1 << 24) + 1; });
-  refuses([](Field& band) { band.narrow->outside = kInfinite; });
-  refuses([](Field& band) { band.narrow->inside = 0.0; });
-  refuses([](Field& band) { band.distance.resizeUninitialized(512); });
-  refuses([](Field& band) { band.winding.resizeUninitialized(512); });
-  refuses([](Field& band) { std::swap(band.narrow->leaves[0], band.narrow->leaves[1]); });
-  refuses([](Field& band) { band.narrow->leaves[1] = band.narrow->leaves[0]; });
-  refuses([](Field& band) { band.narrow->leaves[1].y = 9; });
-  refuses([](Field& band) { band.narrow->leaves[0].x = -8; });
-  refuses([](Field& band) { band.narrow->leaves[1].z = 40; });
-  refuses([](Field& band) { band.narrow->tiles[0].side = 24; });
-  refuses([](Field& band) { band.narrow->tiles[0].side = 4; });
-  refuses([](Field& band) { band.narrow->tiles[0].side = 32; });
-  refuses([](Field& band) { std::swap(band.narrow->tiles[0], band.narrow->tiles[1]); });
+  const auto narrow = [] {
+    Field band{.grid = {.dims = {40, 40, 40}, .spacing = 1.0},
+               .distance = Buffer<float>(2 * NarrowBand::kLeafSamples),
+               .narrow = NarrowBand{.outside = 3.0, .inside = 3.0}};
+    fill(band.narrow->leaves, {{8, 0, 0}, {0, 8, 0}});
+    band.narrow->tiles = {{{0, 0, 16}, 16}, {{32, 0, 0}, 8}};
+    return band;
+  };
+  expectRefused(
+      narrow,
+      {[](Field& band) { band.grid.spacing = 0.0; }, [](Field& band) { band.grid.dims.z = (1 << 24) + 1; },
+       [](Field& band) { band.narrow->outside = kInfinite; }, [](Field& band) { band.narrow->inside = 0.0; },
+       [](Field& band) { band.distance.resizeUninitialized(512); },
+       [](Field& band) { band.triangle.resizeUninitialized(512); },
+       [](Field& band) { band.winding.resizeUninitialized(512); },
+       [](Field& band) { band.confidence.resizeUninitialized(512); },
+       [](Field& band) { std::swap(band.narrow->leaves[0], band.narrow->leaves[1]); },
+       [](Field& band) { band.narrow->leaves[1] = band.narrow->leaves[0]; },
+       [](Field& band) { band.narrow->leaves[1].y = 9; }, [](Field& band) { band.narrow->leaves[0].x = -8; },
+       [](Field& band) { band.narrow->leaves[1].z = 40; },
+       [](Field& band) { band.narrow->tiles[0].side = 24; },
+       [](Field& band) { band.narrow->tiles[0].side = 4; },
+       [](Field& band) { band.narrow->tiles[0].side = 32; },
+       [](Field& band) { std::swap(band.narrow->tiles[0], band.narrow->tiles[1]); }});
+  const auto dense = [] {
+    return Field{.grid = {.dims = {4, 3, 2}, .spacing = 1.0}, .distance = Buffer<float>(24)};
+  };
+  expectRefused(dense, {[](Field& field) { field.distance = {}; },
+                        [](Field& field) { field.distance.resizeUninitialized(23); },
+                        [](Field& field) { field.triangle.resizeUninitialized(23); },
+                        [](Field& field) { field.winding.resizeUninitialized(25); },
+                        [](Field& field) { field.confidence.resizeUninitialized(1); },
+                        [](Field& field) { field.grid.spacing = 0.0; }});
 }
 
 TEST(NarrowField, IsAskedForWhereADenseFieldIsGiven) {
-  const Mesh mesh = shapes::sphere(1.0, 3);
-  const Field field = generate(mesh, fitGrid(mesh, {.resolution = 20}), {}, {.device = "cpu"}).field;
+  const Field field = analytic::sampled(analytic::cube(20, 2.0),
+                                        [](const glm::dvec3& p) { return analytic::sphere(p, 0.7); });
   const Field band = toSparse(field);
   EXPECT_EQ(codeOf([&] { toSparse(band); }), ErrorCode::Usage);
   EXPECT_EQ(codeOf([&] { toDense(field); }), ErrorCode::Usage);
 }
 
-TEST(NarrowField, SaysWhatOfADenseFieldIsNotValid) {
-  Field field{.grid = {.dims = {4, 3, 2}, .spacing = 1.0}};
-  EXPECT_EQ(codeOf([&] { validate(field); }), ErrorCode::Usage);
-  field.distance = Buffer<float>(24);
-  EXPECT_EQ(codeOf([&] { validate(field); }), std::nullopt);
-  const auto refuses = [&](auto&& change) {
-    Field changed{.grid = field.grid, .distance = Buffer<float>(24)};
-    change(changed);
-    EXPECT_EQ(codeOf([&] { validate(changed); }), ErrorCode::Usage);
-  };
-  refuses([](Field& changed) { changed.distance.resizeUninitialized(23); });
-  refuses([](Field& changed) { changed.triangle.resizeUninitialized(23); });
-  refuses([](Field& changed) { changed.winding.resizeUninitialized(25); });
-  refuses([](Field& changed) { changed.confidence.resizeUninitialized(1); });
-  refuses([](Field& changed) { changed.grid.spacing = 0.0; });
-}
-
 TEST(NarrowField, CountsWhatADenseFieldHolds) {
   Field field{.grid = {.dims = {5, 1, 1}, .spacing = 1.0}};
-  field.distance.resizeUninitialized(5);
-  std::ranges::copy(std::array{-2.0f, -1.5f, 0.0f, 1.5f, 2.0f}, field.distance.begin());
+  fill(field.distance, {-2.0f, -1.5f, 0.0f, 1.5f, 2.0f});
   EXPECT_EQ(field.activeCount(), 5u);
   EXPECT_EQ(field.clamp(), 0.0);
   field.clampDistance = 2.0;
@@ -269,8 +245,8 @@ TEST(NarrowField, IsSampledAsItsDenseField) {
       const Samples expected = sample(field, points, options), got = sample(band, points, options),
                     one = sample(band, points, options, {.threads = 1});
       for (const Samples& samples : {std::cref(got), std::cref(one)}) {
-        EXPECT_TRUE(same(samples.distance, expected.distance));
-        EXPECT_TRUE(same(samples.gradient, expected.gradient));
+        EXPECT_TRUE(sameBits(samples.distance, expected.distance));
+        EXPECT_TRUE(sameBits(samples.gradient, expected.gradient));
       }
       const auto isSame = [](double a, double b) { return a == b || (std::isnan(a) && std::isnan(b)); };
       for (size_t i = 0; i < points.size(); i += 10) {
@@ -280,25 +256,6 @@ TEST(NarrowField, IsSampledAsItsDenseField) {
       }
     }
   }
-}
-
-TEST(NarrowField, IsSampledAlongAnAxisOfOneSample) {
-  const Mesh mesh = shapes::sphere(1.0, 3);
-  const Grid flat{.dims = {30, 1, 30}, .origin = {-1.45, 0.0, -1.45}, .spacing = 0.1};
-  const Field band = Surface(mesh).generateBand(flat);
-  const Field field = toDense(band);
-  for (const glm::dvec3& p : {glm::dvec3(0.93, 0, 0.2), glm::dvec3(0.5, 0, -0.8), glm::dvec3(0.1, 0.3, 1)})
-    EXPECT_EQ(distanceAt(band, p), distanceAt(field, p));
-}
-
-TEST(NarrowField, IsNotSampledWithoutItsArrays) {
-  Field band{.grid = {.dims = {8, 8, 8}, .spacing = 1.0},
-             .narrow = NarrowBand{.outside = 3.0, .inside = 3.0}};
-  band.narrow->leaves.resizeUninitialized(1);
-  band.narrow->leaves[0] = {0, 0, 0};
-  EXPECT_EQ(codeOf([&] { distanceAt(band, glm::dvec3(0)); }), ErrorCode::Usage);
-  EXPECT_EQ(codeOf([&] { gradientAt(band, glm::dvec3(0)); }), ErrorCode::Usage);
-  EXPECT_EQ(codeOf([&] { sample(band, std::vector<glm::dvec3>{{0, 0, 0}}); }), ErrorCode::Usage);
 }
 
 void expectSameSurface(const Field& band, const Field& field, double iso) {
@@ -338,34 +295,6 @@ TEST(NarrowField, HasASurfaceAtTheSidesOfTiles) {
   });
   expectSameSurface(band, toDense(band), 0.0);
   expectSameSurface(band, toDense(band), 0.7);
-}
-
-TEST(NarrowField, HasTheSurfaceOfNoise) {
-  std::mt19937 random(3);
-  std::normal_distribution<float> noise;
-  Field field{.grid = {.dims = {21, 17, 12}, .spacing = 2.0}};
-  field.distance.resizeUninitialized(field.grid.sampleCount());
-  for (float& value : field.distance) value = noise(random);
-  const Field band = toSparse(field, {.outside = 0.25, .inside = 0.25});
-  expectSameSurface(band, toDense(band), 0.1);
-}
-
-TEST(NarrowField, SaysWhyThereIsNoSurface) {
-  const Mesh mesh = shapes::sphere(1.0, 3);
-  const Surface surface(mesh);
-  const Grid grid = fitGrid(mesh, {.resolution = 30});
-  Field band = surface.generateBand(grid, {.outside = 3.0, .inside = 5.0});
-  const auto codeAt = [&](double iso) { return codeOf([&] { isosurface(band, {.iso = iso}); }); };
-  EXPECT_EQ(codeAt(2.9 * grid.spacing), std::nullopt);
-  EXPECT_EQ(codeAt(3.0 * grid.spacing), ErrorCode::Usage);
-  EXPECT_EQ(codeAt(-4.9 * grid.spacing), std::nullopt);
-  EXPECT_EQ(codeAt(-5.0 * grid.spacing), ErrorCode::Usage);
-  band.distance[*band.narrow->find(band.narrow->leaves[3])] = NAN;
-  EXPECT_EQ(codeAt(0.0), ErrorCode::Input);
-  band.distance.resizeUninitialized(512);
-  EXPECT_EQ(codeAt(0.0), ErrorCode::Usage);
-  const Field none = Surface(mesh, {.sign = SignMode::None}).generateBand(grid);
-  EXPECT_EQ(codeOf([&] { isosurface(none); }), ErrorCode::Usage);
 }
 
 // The way through a dense field would take 4 TB.

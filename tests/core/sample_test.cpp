@@ -2,10 +2,15 @@
 #include <raymap/raymap.h>
 
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <random>
+#include <utility>
 
+#include "analytic_fields.h"
 #include "broken_meshes.h"
+#include "error_code.h"
+#include "field_kinds.h"
 #include "reference.h"
 #include "shapes.h"
 
@@ -14,20 +19,25 @@ namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
-/// A field with a value for each position.
-template <class Function>
-Field fieldOf(const Grid& grid, Function&& function) {
-  Field field{.grid = grid, .distance = Buffer<float>(grid.sampleCount())};
-  for (int k = 0; k < grid.dims.z; ++k)
-    for (int j = 0; j < grid.dims.y; ++j)
-      for (int i = 0; i < grid.dims.x; ++i)
-        field.distance[grid.index({i, j, k})] = float(function(grid.position({i, j, k})));
-  return field;
-}
+class Sample : public EachKind {
+ protected:
+  /// A field with a value for each position.
+  static Field fieldOf(const Grid& grid, const std::function<double(const glm::dvec3&)>& function) {
+    return made(analytic::sampled(grid, function));
+  }
+  /// A field of one sample with distance 3, at the origin, in the units of its spacing of 2.
+  static Field oneSample(const Box& surfaceBounds = {}) {
+    Field field = fieldOf({.dims = {1, 1, 1}, .spacing = 2.0}, [](const glm::dvec3&) { return 3.0; });
+    field.surfaceBounds = surfaceBounds;
+    return field;
+  }
+};
+
+INSTANTIATE_TEST_SUITE_P(Fields, Sample, kEachKind, nameOfKind);
 
 const Grid kGrid{.dims = {9, 7, 5}, .origin = {10.0, -4.0, 2.5}, .spacing = 0.25};
 
-TEST(Sample, IsExactForTrilinearFunctions) {
+TEST_P(Sample, IsExactForTrilinearFunctions) {
   const auto function = [](const glm::dvec3& p) {
     return 0.5 * p.x - 2.0 * p.y + p.z + 0.25 * p.x * p.y * p.z;
   };
@@ -41,13 +51,13 @@ TEST(Sample, IsExactForTrilinearFunctions) {
   }
 }
 
-TEST(Sample, GivesTheSamplesThemselves) {
+TEST_P(Sample, GivesTheSamplesThemselves) {
   const Field field = fieldOf(kGrid, [](const glm::dvec3& p) { return std::sin(40.0 * p.x + p.y * p.z); });
   for (const glm::ivec3 s : {glm::ivec3(0), glm::ivec3(3, 2, 1), kGrid.dims - 1})
-    EXPECT_EQ(float(distanceAt(field, kGrid.position(s))), field.distance[kGrid.index(s)]);
+    EXPECT_EQ(float(distanceAt(field, kGrid.position(s))), field.distanceAt(s));
 }
 
-TEST(Sample, HasAGradientWithoutUnits) {
+TEST_P(Sample, HasAGradientWithoutUnits) {
   const Field field = fieldOf(kGrid, [](const glm::dvec3& p) { return 0.6 * p.x + 0.8 * p.z; });
   const glm::dvec3 g = gradientAt(field, kGrid.position({4.3, 3.1, 1.6}));
   EXPECT_NEAR(g.x, 0.6, 1e-5);
@@ -55,10 +65,9 @@ TEST(Sample, HasAGradientWithoutUnits) {
   EXPECT_NEAR(g.z, 0.8, 1e-5);
 }
 
-TEST(Sample, PointsAwayFromASphere) {
-  const Field field = generate(shapes::sphere(1.0, 4), fitGrid(shapes::sphere(1.0, 4), {.resolution = 48}),
-                               {}, {.device = "cpu"})
-                          .field;
+TEST_P(Sample, PointsAwayFromASphere) {
+  const Mesh ball = shapes::sphere(1.0, 4);
+  const Field field = made(generate(ball, fitGrid(ball, {.resolution = 48}), {}, {.device = "cpu"}).field);
   for (const glm::dvec3 p :
        {glm::dvec3(0.7, 0.1, -0.2), glm::dvec3(0.1, 1.05, 0.2), glm::dvec3(0.5, 0.5, 0.5)}) {
     EXPECT_NEAR(distanceAt(field, p), glm::length(p) - 1.0, 0.01);
@@ -66,7 +75,7 @@ TEST(Sample, PointsAwayFromASphere) {
   }
 }
 
-TEST(Sample, BoundsTheDistanceOutsideFromBelow) {
+TEST_P(Sample, BoundsTheDistanceOutsideFromBelow) {
   const glm::dvec3 centre(11.0, -3.2, 3.0);
   const auto ball = [&](const glm::dvec3& p) { return glm::distance(p, centre) - 0.3; };
   Field field = fieldOf(kGrid, ball);
@@ -86,14 +95,7 @@ TEST(Sample, BoundsTheDistanceOutsideFromBelow) {
   }
 }
 
-/// A field of one sample with distance 3, at the origin, in the units of its spacing of 2.
-Field oneSample(const Box& surfaceBounds = {}) {
-  Field field = fieldOf({.dims = {1, 1, 1}, .spacing = 2.0}, [](const glm::dvec3&) { return 3.0; });
-  field.surfaceBounds = surfaceBounds;
-  return field;
-}
-
-TEST(Sample, KnowsOutsideWhatTheBoundsOfTheSurfaceTell) {
+TEST_P(Sample, KnowsOutsideWhatTheBoundsOfTheSurfaceTell) {
   const glm::dvec3 p(4, 0, 0);
   EXPECT_DOUBLE_EQ(distanceAt(oneSample(), p), 3.0 - 4.0);
   EXPECT_DOUBLE_EQ(distanceAt(oneSample({glm::dvec3(0), glm::dvec3(0)}), p), 5.0);     // Held: Pythagoras.
@@ -107,7 +109,7 @@ TEST(Sample, KnowsOutsideWhatTheBoundsOfTheSurfaceTell) {
   EXPECT_DOUBLE_EQ(distanceAt(oneSample(), {1e300, 0, 0}), -1e300);
 }
 
-TEST(Sample, IsNaNOutsideOnRequest) {
+TEST_P(Sample, IsNaNOutsideOnRequest) {
   const Field field = fieldOf(kGrid, [](const glm::dvec3& p) { return p.x - 11.0; });
   const glm::dvec3 last = kGrid.position(kGrid.dims - 1);
   const std::vector<glm::dvec3> points{kGrid.origin,
@@ -130,7 +132,7 @@ TEST(Sample, IsNaNOutsideOnRequest) {
 }
 
 /// Checks, in boxes that cut a mesh, that no distance outside exceeds the true one.
-void expectBounds(const Mesh& mesh, const FieldOptions& options, unsigned seed) {
+void expectBounds(FieldKind kind, const Mesh& mesh, const FieldOptions& options, unsigned seed) {
   std::mt19937 random(seed);
   const Box all = bounds(mesh);
   const glm::dvec3 size = all.size();
@@ -144,7 +146,7 @@ void expectBounds(const Mesh& mesh, const FieldOptions& options, unsigned seed) 
       const glm::dvec3 a = place(0.2), b = place(0.2);
       gridOptions.box = Box{glm::min(a, b), glm::max(a, b)};
     }
-    Field field = generate(mesh, fitGrid(mesh, gridOptions), options, {.device = "cpu"}).field;
+    Field field = inKind(kind, generate(mesh, fitGrid(mesh, gridOptions), options, {.device = "cpu"}).field);
     const double tolerance = 2e-6 * glm::length(size);
     for (int k = 0; k < 60; ++k) {
       const glm::dvec3 p = place(k % 3 == 0 ? 5.0 : 0.3);
@@ -162,23 +164,24 @@ void expectBounds(const Mesh& mesh, const FieldOptions& options, unsigned seed) 
   }
 }
 
-TEST(Sample, BoundsTheDistanceOutsideOfBoxesThatCutTheMesh) {
+TEST_P(Sample, BoundsTheDistanceOutsideOfBoxesThatCutTheMesh) {
   const Mesh apart = shapes::joined(shapes::box({0, 0, 0}, {1, 1, 1}), shapes::sphere(0.5, 2, {4, 1, 0}));
   unsigned seed = 1;
   for (const Mesh& mesh : {apart, shapes::torus(1.0, 0.3, 30, 16), shapes::box({0, 0, 0}, {1, 3, 2})})
     for (const bool invert : {false, true})
-      for (const double band : {0.0, 2.0}) expectBounds(mesh, {.band = band, .invert = invert}, seed++);
+      for (const double band : {0.0, 2.0})
+        expectBounds(GetParam(), mesh, {.band = band, .invert = invert}, seed++);
 }
 
-TEST(Sample, TakesNoBoundFromSamplesThatAreClampedInside) {
-  Field field = fieldOf(kGrid, [](const glm::dvec3&) { return -1.0; });
-  field.clampDistance = 1.0;
-  EXPECT_EQ(distanceAt(field, kGrid.position({-1, 3, 2})), -INFINITY);
-  field.clampDistance = 1.5;
-  EXPECT_GT(distanceAt(field, kGrid.position({-1, 3, 2})), -INFINITY);
+TEST_P(Sample, TakesNoBoundFromSamplesThatAreClampedInside) {
+  for (const double clamp : {1.0, 1.5}) {
+    Field field = analytic::sampled(kGrid, [](const glm::dvec3&) { return -1.0; });
+    field.clampDistance = clamp;
+    EXPECT_EQ(distanceAt(made(std::move(field)), kGrid.position({-1, 3, 2})) == -INFINITY, clamp == 1.0);
+  }
 }
 
-TEST(Sample, BoundsTheDistanceOutsideOfThickSheetsAndClosedHoles) {
+TEST(SurfaceBounds, HoldThickSheetsAndClosedHoles) {
   const Mesh sheet = makeMesh(std::vector<glm::dvec3>{{0, 0, 0}, {2, 0, 0}, {0, 2, 0}}, {{0, 1, 2}});
   const Box thick = generate(sheet, fitGrid(sheet, {.resolution = 12, .thickness = 0.5}), {.thickness = 0.5},
                              {.device = "cpu"})
@@ -197,17 +200,19 @@ TEST(Sample, BoundsTheDistanceOutsideOfThickSheetsAndClosedHoles) {
   EXPECT_TRUE(generate(bowl, grid, {.invert = true}, {.device = "cpu"}).field.surfaceBounds.isEmpty());
 }
 
-TEST(Sample, InterpolatesClampedDistancesAsTheyAre) {
-  Field field = fieldOf(kGrid, [](const glm::dvec3& p) { return std::clamp(p.x - 11.0, -0.3, 0.3); });
-  field.clampDistance = 0.3;
+TEST_P(Sample, InterpolatesClampedDistancesAsTheyAre) {
+  Field dense =
+      analytic::sampled(kGrid, [](const glm::dvec3& p) { return std::clamp(p.x - 11.0, -0.3, 0.3); });
+  dense.clampDistance = 0.3;
+  const Field field = made(std::move(dense));
   EXPECT_NEAR(distanceAt(field, kGrid.position({7.5, 3, 2})), 0.3, 1e-6);
   EXPECT_NEAR(glm::length(gradientAt(field, kGrid.position({7.0, 3, 2}))), 0.0, 1e-6);
   EXPECT_NEAR(distanceAt(field, kGrid.position({4.5, 3, 2})), 0.125, 1e-6);
 }
 
-TEST(Sample, PassesOnWhatIsNotANumber) {
+TEST_P(Sample, PassesOnWhatIsNotANumber) {
   Field field = fieldOf(kGrid, [](const glm::dvec3&) { return 1.0; });
-  field.distance[kGrid.index({2, 2, 2})] = float(kNaN);
+  field.distance[placeOf(field, {2, 2, 2})] = float(kNaN);
   EXPECT_TRUE(std::isnan(distanceAt(field, kGrid.position({1.5, 2.5, 1.5}))));
   EXPECT_FALSE(std::isnan(distanceAt(field, kGrid.position({4.5, 4.5, 1.5}))));
   EXPECT_TRUE(std::isnan(distanceAt(field, {kNaN, 0, 0})));
@@ -215,11 +220,15 @@ TEST(Sample, PassesOnWhatIsNotANumber) {
   EXPECT_EQ(distanceAt(field, {INFINITY, 0, 0}), -INFINITY);
 }
 
-TEST(Sample, ReadsGridsOfOneSample) {
+TEST_P(Sample, ReadsGridsOfOneSampleAlongAnAxis) {
   EXPECT_EQ(distanceAt(oneSample(), {0, 0, 0}), 3.0);
+  const Grid flat{.dims = {30, 1, 30}, .origin = {-1.45, 0.0, -1.45}, .spacing = 0.1};
+  const Field field = fieldOf(flat, [](const glm::dvec3& p) { return p.x - 2.0 * p.z; });
+  EXPECT_NEAR(distanceAt(field, {0.93, 0, 0.2}), 0.53, 1e-6);
+  EXPECT_NEAR(distanceAt(field, {0.5, 0, -0.8}), 2.1, 1e-6);
 }
 
-TEST(Sample, GivesManyPointsTheSameAndReusesItsMemory) {
+TEST_P(Sample, GivesManyPointsTheSameAndReusesItsMemory) {
   const Field field = fieldOf(kGrid, [](const glm::dvec3& p) { return p.x * p.y - p.z; });
   std::mt19937 random(3);
   std::uniform_real_distribution<> place(-1.0, 12.0);
@@ -248,25 +257,12 @@ TEST(Sample, GivesManyPointsTheSameAndReusesItsMemory) {
   }
 }
 
-TEST(Sample, RefusesAFieldWithoutDistances) {
-  EXPECT_THROW(distanceAt(Field{}, glm::dvec3(0)), Error);
-  EXPECT_THROW(gradientAt(Field{.grid = kGrid}, glm::dvec3(0)), Error);
-  EXPECT_THROW(sample(Field{}, {}), Error);
-}
-
-TEST(Isosurface, ReusesTheMemoryOfItsResult) {
-  const Field field = fieldOf(kGrid, [](const glm::dvec3& p) {
-    return glm::distance(p, {11, -3.2, 3}) - 0.3;
-  });
-  Mesh mesh = isosurface(field);
-  const Mesh again = mesh;
-  const glm::vec3* const memory = mesh.vertices.data();
-  isosurface(field, {}, mesh);
-  EXPECT_EQ(mesh.vertices.data(), memory);
-  EXPECT_EQ(mesh.vertices, again.vertices);
-  EXPECT_EQ(mesh.triangles, again.triangles);
-  EXPECT_THROW(isosurface(field, {.iso = -5.0}, mesh), Error);
-  EXPECT_TRUE(mesh.triangles.empty());
+TEST_P(Sample, RefusesAFieldWithoutDistances) {
+  Field field = fieldOf(kGrid, [](const glm::dvec3&) { return 1.0; });
+  field.distance = {};
+  EXPECT_EQ(codeOf([&] { distanceAt(field, glm::dvec3(0)); }), ErrorCode::Usage);
+  EXPECT_EQ(codeOf([&] { gradientAt(field, glm::dvec3(0)); }), ErrorCode::Usage);
+  EXPECT_EQ(codeOf([&] { sample(field, {}); }), ErrorCode::Usage);
 }
 
 }  // namespace
