@@ -117,6 +117,9 @@ TEST(MalformedNrrd, WrongHeaders) {
                                                         {"dimension: 3", "dimension: 1152921504606846976"},
                                                         {"dimension: 3\n", ""},
                                                         {"sizes: 2 2 2\n", ""},
+                                                        {"2 2 2", "4000000000 4000000000 4000000000"},
+                                                        {"2 2 2", "-2 -2 2"},
+                                                        {"(0,0,0)", "(inf,0,0)"},
                                                         {"raw", "hex"},
                                                         {"encoding: raw\n", ""},
                                                         {"endian: little", "endian: middle"},
@@ -131,6 +134,10 @@ TEST(MalformedNrrd, WrongHeaders) {
                                                         {"(0,0,0)", "none"},
                                                         {"\n\n", "\nband:=nan\n\n"},
                                                         {"\n\n", "\nband:=-1\n\n"},
+                                                        {"\n\n", "\nsurface_bounds:=0 0 0 1 1\n\n"},
+                                                        {"\n\n", "\nsurface_bounds:=0 0 0 1 -1 1\n\n"},
+                                                        {"\n\n", "\nsurface_bounds:=0 0 0 1 inf 1\n\n"},
+                                                        {"\n\n", "\nsurface_bounds:=nan 0 0 1 1 1\n\n"},
                                                         {"\n\n", "\ndata file: /etc/passwd\n\n"},
                                                         {"\n\n", "\nbyte skip: 8\n\n"}})
     EXPECT_NE(refusal(".nrrd", replaced(whole, from, to)), "") << to << " for " << from;

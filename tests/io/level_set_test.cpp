@@ -63,25 +63,6 @@ TEST_F(LevelSet, HasABackgroundOfTheWholeBand) {
     }
 }
 
-TEST_F(LevelSet, ComesBackAsItWas) {
-  for (const double spacing : {0.02, 0.0144193, 0.0625}) {
-    const Field field = ball(spacing, 3.0);
-    const Field band = toSparse(field);
-    for (const char* name : {"a.vdb", "a.nvdb"}) {
-      writeField(path(name), field);
-      const Field again = readField(path(name));
-      EXPECT_TRUE(std::ranges::equal(again.distance, field.distance)) << name << spacing;
-      EXPECT_EQ(again.clampDistance, field.clampDistance);
-      writeField(path(name), band);
-      const Field same = readBand(path(name));
-      EXPECT_TRUE(std::ranges::equal(same.distance, band.distance)) << name << spacing;
-      EXPECT_EQ(same.narrow->outside, band.narrow->outside);
-      EXPECT_EQ(same.narrow->inside, band.narrow->inside);
-      EXPECT_EQ(same.narrow->tiles.size(), band.narrow->tiles.size());
-    }
-  }
-}
-
 TEST_F(LevelSet, KeepsItsWidthsWithHalfFloats) {
   const Field field = ball(0.0144193, 3.0);
   float clamped = 0.0F;
