@@ -14,15 +14,8 @@ class CliCompare : public Cli {};
 TEST_F(CliCompare, ConvertsAndCompares) {
   writeTorus();
   succeed("generate torus.ply -o a.nrrd --resolution 24");
-  for (const char* name : {"b.npz", "b.vti", "b.vdb", "b.nrrd"}) {
-    succeed(std::string("convert a.nrrd ") + name);
-    const Json found = Json::parse(succeed(std::string("compare a.nrrd --json ") + name).out);
-    EXPECT_EQ(found["max_error"], 0.0) << name;
-    EXPECT_EQ(found["sign_differences"], 0) << name;
-  }
-  succeed("generate torus.ply -o c.nrrd --resolution 24 --winding w.nrrd");
-  succeed("convert w.nrrd w.npz");
-  EXPECT_GT(readField(path("w.npz")).winding.size(), 0u);
+  succeed("convert a.nrrd b.npz");
+  EXPECT_EQ(Json::parse(succeed("compare a.nrrd b.npz --json").out)["differences"], 0);
   succeed("generate torus.ply -o inverted.nrrd --resolution 24 --invert");
   const Json found = Json::parse(succeed("compare a.nrrd inverted.nrrd --json -o difference.png").out);
   EXPECT_EQ(found["sign_differences"], found["samples"]);
@@ -70,8 +63,7 @@ TEST_F(CliCompare, DrawsAndComparesTheOtherArrays) {
             extension + more);
   };
   std::map<std::string, std::string> pictures;
-  for (const std::string extension : {".nrrd", ".vti", ".npz", ".npy", ".vdb"}) {
-    if (!hasFieldFormat(extension)) continue;
+  for (const std::string extension : {".nrrd", ".npy"}) {
     make("a", extension, "");
     for (const auto& [letter, array] : {std::pair("w", "winding"), {"c", "confidence"}, {"t", "triangle"}}) {
       const std::string file = "a" + std::string(letter) + extension;
@@ -88,7 +80,7 @@ TEST_F(CliCompare, DrawsAndComparesTheOtherArrays) {
                       file + ": the array '" + array + "' has no surface to draw; draw a slice of it");
       const Json same = Json::parse(succeed("compare " + file + " " + file + " --json" + as).out);
       EXPECT_EQ(same["array"], array);
-      for (const char* key : {"differences", "max_error", "sign_differences"}) EXPECT_EQ(same[key], 0) << key;
+      EXPECT_EQ(same["differences"], 0);
     }
   }
   EXPECT_NE(pictures["w"], pictures["c"]);

@@ -51,12 +51,8 @@ TEST_F(CliMesh, RefusesAFormatThatBreaksTheResult) {
     EXPECT_NEAR(found.signedVolume, 480.0, 1.0);
     EXPECT_NEAR(found.bounds.min.y, -4.0, 0.01);
     fs::remove(path("far.stl"));
-    for (const char* format : {".ply", ".obj", ".glb"}) {
-      EXPECT_EQ(succeed(run + format).out.find("recentered"), std::string::npos);
-      const Diagnostics kept = diagnose(readMesh(path(std::string("far") + format)));
-      EXPECT_TRUE(kept.watertight);
-      EXPECT_NEAR(kept.bounds.min.y, 5.5e6, 0.01);
-    }
+    EXPECT_EQ(succeed(run + ".ply").out.find("recentered"), std::string::npos);
+    EXPECT_NEAR(diagnose(readMesh(path("far.ply"))).bounds.min.y, 5.5e6, 0.01);
   }
   succeed("repair far.obj --resolution 64 --remesh -o far.ply --recenter --stats far.json");
   EXPECT_EQ(json("far.json")["file_offset"], Json({500005.0, 5500004.0, 303.0}));
