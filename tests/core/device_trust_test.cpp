@@ -15,6 +15,7 @@
 #include "api/devices.h"
 #include "contains.h"
 #include "counting_gpu.h"
+#include "error_code.h"
 #include "files.h"
 
 namespace raymap {
@@ -242,12 +243,7 @@ TEST_F(DeviceTrust, IsAskedAgainAfterATestThatWasCancelled) {
     EXPECT_TRUE(contains(std::string(stage), "vulkan:3"));
     return done < 0.25;
   };
-  try {
-    chooseDevice({.progress = cancel});
-    FAIL();
-  } catch (const Error& error) {
-    EXPECT_EQ(error.code(), ErrorCode::Cancelled);
-  }
+  EXPECT_EQ(codeOf([&] { chooseDevice({.progress = cancel}); }), ErrorCode::Cancelled);
   EXPECT_TRUE(files().empty());
   CountingGpu::onTest = {};
   EXPECT_TRUE(isUsed());

@@ -3,6 +3,7 @@
 
 #include <cstring>
 
+#include "error_code.h"
 #include "mesh/model.h"
 #include "shapes.h"
 
@@ -115,13 +116,7 @@ TEST(MeshView, IsMeasuredAndRepairedLikeTheMesh) {
 
 void expectInputError(const MeshView& view, const std::string& text) {
   const auto expect = [&](auto&& work) {
-    try {
-      work();
-      FAIL() << text;
-    } catch (const Error& error) {
-      EXPECT_EQ(error.code(), ErrorCode::Input);
-      EXPECT_NE(std::string(error.what()).find(text), std::string::npos) << error.what();
-    }
+    EXPECT_NE(messageOf(ErrorCode::Input, [&] { work(); }).find(text), std::string::npos);
   };
   expect([&] { validate(view); });
   expect([&] { generate(view, {.dims = {4, 4, 4}, .spacing = 1.0}, {}, {.device = "cpu"}); });
@@ -210,13 +205,11 @@ TEST(Model, ForgetsWhatItFoundInTheLastMesh) {
 TEST(MeshView, HoldsItsCopyAgainstTheMemoryLimit) {
   const Mesh mesh = farBall();
   const std::vector<glm::dvec3> positions = positionsOf(mesh);
-  try {
-    generate(MeshView(positions, mesh.triangles), fitGrid(mesh, {.resolution = 8}), {},
-             {.device = "cpu", .memoryLimit = 1000});
-    FAIL();
-  } catch (const Error& error) {
-    EXPECT_EQ(error.code(), ErrorCode::Memory);
-  }
+  EXPECT_EQ(codeOf([&] {
+              generate(MeshView(positions, mesh.triangles), fitGrid(mesh, {.resolution = 8}), {},
+                       {.device = "cpu", .memoryLimit = 1000});
+            }),
+            ErrorCode::Memory);
 }
 
 }  // namespace

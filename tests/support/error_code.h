@@ -18,14 +18,18 @@ std::optional<ErrorCode> codeOf(Work&& work) {
   return std::nullopt;
 }
 
-/// Returns the message of the `Error(Usage)` that `work` throws; another text if it throws none.
-inline std::string usageMessage(auto&& work) {
+/// Returns the message of the error of this code that `work` throws; another text if it throws none.
+inline std::string messageOf(ErrorCode code, auto&& work) {
   try {
     work();
   } catch (const Error& error) {
-    return error.code() == ErrorCode::Usage ? error.what() : "another error";
+    return error.code() == code ? error.what() : "another error";
   }
   return "no error";
+}
+
+inline std::string usageMessage(auto&& work) {
+  return messageOf(ErrorCode::Usage, work);
 }
 
 /// Returns the exit code of the command line for an error, as docs/cli.md promises it.
