@@ -3,7 +3,7 @@
 
 Also: the declared layers have no cycle, every folder of src and every public header belongs to a layer, a public header
 to the one whose .cpp files define what it declares (else calls could point up where no include does), only
-src/base/parallel.cpp, parallel_sort.h and a part of raymap-import include oneTBB, and apps/, examples/ and python/ include no private header. Prints
+src/base/parallel.cpp, parallel_sort.h and what uses NanoVDB include oneTBB, and apps/, examples/ and python/ include no private header. Prints
 the number of includes that point up or sideways and of cycles between folders, and ends with 1 if there is anything to
 mend.
 
@@ -26,8 +26,8 @@ SOURCES = {".h", ".cpp", ".c", ".comp", ".glsl", ".inl", ".in"}
 CODE = SOURCES | {".py", ".sh", ".frag", ".vert", ".js", ".mjs", ".html"}  # Its lines are counted.
 OUTSIDE = ("apps", "examples", "python")  # Users of the library, which see its public headers only.
 CALLERS = ("src", "include", "apps", "examples", "python/raymap", "python/src")  # Folders whose calls may be kept apart.
-# The only files that may include oneTBB. The last keeps NanoVDB in a process of its own to one thread.
-TBB = ("src/base/parallel.cpp", "src/base/parallel_sort.h", "src/io/import/import_nvdb.cpp")
+# The only files that may include oneTBB. The last two keep NanoVDB to one thread.
+TBB = ("src/base/parallel.cpp", "src/base/parallel_sort.h", "src/io/import/import_nvdb.cpp", "src/io/field/nvdb.cpp")
 # Made while building.
 GENERATED = re.compile(r"shaders/\w+_(spv|all)\.h|vulkan_names\.h|page_text\.h|@SHADER_STEM@\.spv\.inc")
 

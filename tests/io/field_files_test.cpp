@@ -102,12 +102,15 @@ TEST_P(FieldFiles, KeepEveryBit) {
   }
 }
 
-TEST_P(FieldFiles, WriteTheSameBytesTwice) {
-  const Field field = sphereField(oddGrid(), 0.0);
+TEST_P(FieldFiles, HaveTheSameBytesEachTime) {
+  // Several leaves, whose statistics threads could add up in another order each time.
+  const Field field = sphereField({{14, 13, 12}, {-0.5, -0.4, -0.3}, 0.0144193}, 0.0);
   writeField(file(), field);
   const std::string first = bytes();
-  writeField(file(), field);
-  EXPECT_EQ(first, bytes());
+  for (int time = 0; time < 12; ++time) {
+    writeField(file(), field);
+    ASSERT_TRUE(first == bytes()) << time;
+  }
 }
 
 TEST_P(FieldFiles, KeepTheOtherArrays) {

@@ -5,6 +5,7 @@
 #include <nanovdb/util/IO.h>
 #include <nanovdb/util/OpenToNanoVDB.h>
 #include <openvdb/tools/Prune.h>
+#include <tbb/task_arena.h>
 
 #include <cstring>
 #include <memory>
@@ -86,10 +87,13 @@ Handle convert(openvdb::GridBase& base) {
       (sizeof(nanovdb::GridBlindMetaData) + metadata.size() + kAlignment - 1) / kAlignment * kAlignment;
   nanovdb::OpenToNanoVDB<Value, Build, nanovdb::AbsDiff, ZeroedBuffer> converter;
   converter.setChecksum(nanovdb::ChecksumMode::Disable);
-  // Without active values there is nothing to tell, which the statistics warn of.
-  if (grid.activeVoxelCount() == 0) converter.setStats(nanovdb::StatsMode::Disable);
+  converter.setStats(nanovdb::StatsMode::Disable);
   Handle handle = converter(grid, ZeroedBuffer(room));
   auto* made = handle.template grid<Build>();
+  // Several threads would add up means in an order of their own each time. Without active values there is
+  // nothing to tell, which the statistics warn of.
+  if (grid.activeVoxelCount() > 0)
+    tbb::task_arena(1).execute([&] { nanovdb::gridStats(*made, nanovdb::StatsMode::Default); });
   placeEmptyNodes(*made);
   append(metadata, room, *made->data());
   nanovdb::updateChecksum(*made, nanovdb::ChecksumMode::Full);
