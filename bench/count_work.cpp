@@ -37,11 +37,10 @@ class CountedBackend : public vulkan::Backend {
     counter_->setStage(kReadBack);
   }
 
-  template <class Work>
-  void stage(const char* name, Work&& work) {
+ protected:
+  void startStage(const char* name) override {
     counter_->setStage(name);
-    Backend::stage(name, work);
-    counter_->setStage(kReadBack);
+    Backend::startStage(name);
   }
 
  private:

@@ -7,7 +7,7 @@ namespace raymap::bench {
 
 struct CountOptions {
   std::string device = "vulkan";
-  std::vector<std::string> meshes = {"bunny", "million"};
+  std::vector<std::string> meshes = {"scan", "million"};
   std::vector<std::string> settings = {"default", "quick"};
   std::vector<int> resolutions = {50, 128, 256, 512};
   bool timesOnly = false;  ///< Measures the times of all kernels, and counts nothing.

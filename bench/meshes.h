@@ -6,10 +6,10 @@
 
 namespace raymap::bench {
 
-/// The meshes of the benchmarks: `bunny` (a bumpy sphere of similar size where the scan is not at hand),
-/// `holes` (the same with five holes cut into it), `million` (the same cut finer, more than a million
-/// triangles, gently displaced so that no patch is flat), `sphere` (always the bumpy sphere); anything else
-/// is the name of a file.
+/// The meshes of the benchmarks: `scan` (the Stanford bunny, an error where it is not at hand), `holes` (the
+/// same with five more holes cut into it), `million` (the same cut finer, more than a million triangles,
+/// gently displaced so that no patch is flat), `sphere` (a bumpy sphere of similar size); anything else is
+/// the name of a file.
 Mesh benchMesh(const std::string& name);
 
 }  // namespace raymap::bench

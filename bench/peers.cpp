@@ -70,7 +70,7 @@ int run(int argc, char** argv) {
   input.threads = given.value("threads", 2);
   input.band = given.value("band", input.band);  // In samples; 0: the whole box.
   input.mesh =
-      meshOf(given.value("mesh", "bunny"));  // bunny, holes, million, sphere or a file; NAME of raw files.
+      meshOf(given.value("mesh", "scan"));  // scan, holes, million, sphere or a file; NAME of raw files.
   if (!points.empty()) input.points = readRaw<glm::vec3>(points);
   if (given.contains("dims")) {
     const std::vector<int> dims = given["dims"];

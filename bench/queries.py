@@ -91,7 +91,7 @@ def queries(rounds=3, threads=2, count=1_000_000, only=("",)):
     """CPU seconds of signed distances at points beside peers': docs/performance.md."""
     head("mesh, points", "method", "CPU", "to prepare", "to query", "CPU / ours", "aim", "other sign", "MB, at most")
     calls = []
-    for name, place in ((mesh, place) for mesh in ("bunny", "million") for place in ("uniform", "near")):
+    for name, place in ((mesh, place) for mesh in ("scan", "million") for place in ("uniform", "near")):
         if not is_wanted(f"{name} {place}", only):
             continue
         with tempfile.TemporaryDirectory(dir=BUILD) as text:

@@ -103,9 +103,9 @@ def can_import(*packages):
 # Mesh, resolution, band, our method, {peer: ratio of CPU times that is wanted, or None}.
 FIELDS = [
     (mesh, n, 0, "raymap", {"embree": 8 if n == 50 else 15, "openvdb": None} | (
-        {"igl_signed_distance": None, "open3d": None, "mesh2sdf": None} if mesh == "bunny" and n < 256 else {}))
-    for mesh in ("bunny", "million") for n in (50, 128, 256)
-] + [(mesh, 256, 3, "raymap", {"openvdb": 2}) for mesh in ("bunny", "million")] + [
+        {"igl_signed_distance": None, "open3d": None, "mesh2sdf": None} if mesh == "scan" and n < 256 else {}))
+    for mesh in ("scan", "million") for n in (50, 128, 256)
+] + [(mesh, 256, 3, "raymap", {"openvdb": 2}) for mesh in ("scan", "million")] + [
     ("holes", n, 0, "raymap_winding", {"igl_winding": None if n < 256 else 10}) for n in (128, 256)
 ]  # fmt: skip
 PACKAGE_OF = {"igl_signed_distance": "igl", "igl_winding": "igl", "open3d": "open3d", "mesh2sdf": "mesh2sdf"}
@@ -169,7 +169,7 @@ def fields(rounds=3, threads=2, only=("",)):
 def threads(rounds=3):
     """Wall time of fields on two threads over that on one: docs/performance.md."""
     head("mesh", "resolution", "wall 1 thread", "wall 2 threads", "share", "at most")
-    for mesh, n in (("bunny", 128), ("bunny", 256), ("million", 256)):
+    for mesh, n in (("scan", 128), ("scan", 256), ("million", 256)):
         one, two = (median([peer("raymap", mesh=mesh, resolution=n, threads=count) for _ in range(rounds)], "wall")
                     for count in (1, 2))  # fmt: skip
         line(mesh, n, f"{one:.3f}", f"{two:.3f}", f"{two / one:.2f}", f"0.6 {'met' if two <= 0.6 * one else 'MISSED'}")
@@ -184,7 +184,7 @@ STAGES = [{}, {"band": 3, "sign": "none"}, *({"distance": mode, "sign": "rays"} 
 
 
 @table
-def stages(meshes=("bunny", "holes", "million"), resolutions=(50, 128, 256), rounds=5):
+def stages(meshes=("scan", "holes", "million"), resolutions=(50, 128, 256), rounds=5):
     """Milliseconds of each stage with warm memory, over the time for the bytes that it must move: docs/performance.md."""
     import raymap
 

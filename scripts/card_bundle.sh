@@ -2,8 +2,10 @@
 # Makes the folder build/card_bundle for somebody who has a graphics card and nothing else: the tests and benchmarks of the
 # GPU, and every shared library that they need but the C library's. docs/performance.md says how it is used.
 #
-# scripts/card_bundle.sh [FOLDER]: FOLDER holds meshes to measure besides the built-in ones.
+# scripts/card_bundle.sh FOLDER: FOLDER holds meshes to measure, the scan draco__bun_zipper.ply among them.
 set -euo pipefail
+meshes=$(realpath -- "${1:?the folder of meshes}")
+[[ -e $meshes/draco__bun_zipper.ply ]] || { echo "$meshes: no draco__bun_zipper.ply; the tables need that scan" >&2 && exit 1; }
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 scripts/install.sh --bench
 build=build/card
@@ -17,7 +19,7 @@ rm -rf "$bundle"
 mkdir -p "$bundle"/{bin,lib,spare,meshes}
 for program in "${programs[@]}"; do strip -o "$bundle/bin/$program" "$build/bin/$program"; done
 cp bench/card/{run.sh,*.py} bench/gpu_{program,tables}.py bench/charts.py "$bundle"
-if [[ $# -gt 0 ]]; then cp -rL "$1/." "$bundle/meshes"; fi
+cp -rL "$meshes/." "$bundle/meshes"
 rm -f "$bundle/meshes/MESHES.tsv"  # Tests that look for it want all meshes of its folder.
 
 # A driver may need a newer one of these than ours, so bench/card/libraries.py prefers the system's.

@@ -352,19 +352,19 @@ class MeasureCases(InAFolder):
 
     def test_is_good_where_all_cases_are_answered(self):
         self.start()
-        self.assertEqual(self.run_case("bunny"), {"error": "too large"})
+        self.assertEqual(self.run_case("scan"), {"error": "too large"})
         self.assertTrue(self.bench.finish())
 
     def test_restarts_the_program(self):
         self.start()
         self.assertEqual(self.run_case("holes"), {"error": "gpu_bench ended with 3"})
-        self.assertEqual(self.run_case("bunny"), {"error": "too large"})
+        self.assertEqual(self.run_case("scan"), {"error": "too large"})
         self.assertFalse(self.bench.finish())
-        self.assertEqual([json.loads(line)["mesh"] for line in self.log.getvalue().splitlines()], ["holes", "bunny"])
+        self.assertEqual([json.loads(line)["mesh"] for line in self.log.getvalue().splitlines()], ["holes", "scan"])
 
     def test_ends_a_case_for_which_no_time_is_left(self):
         self.start()
-        self.assertEqual(self.run_case("bunny"), {"error": "too large"})
+        self.assertEqual(self.run_case("scan"), {"error": "too large"})
         self.bench.deadline = time.monotonic() + 0.2
         self.assertEqual(self.run_case("million"), {"error": gpu_program.NO_TIME})
         self.assertEqual(self.run_case("sphere"), {"error": gpu_program.NO_TIME})
@@ -387,7 +387,7 @@ class MeasureCases(InAFolder):
     def test_makes_tables_of_what_could_be_measured(self):
         code, text = self.tables("--table", "fields", "--table", "coarse")
         self.assertEqual(code, 1)
-        self.assertIn("| bunny | cell+rays | 24 | too large |", text)
+        self.assertIn("| scan | cell+rays | 24 | too large |", text)
         self.assertIn("| holes | exact+harmonic | 16 | gpu_bench ended with 3 |", text)
         self.assertIn("## A coarse grid for many triangles\n", text)
 

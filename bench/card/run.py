@@ -46,7 +46,7 @@ def steps_of(device, is_quick):
             command.append(BUNDLE / "meshes")
         return Step(name, what, command)
 
-    largest = "bunny" if is_quick else "million"
+    largest = "scan" if is_quick else "million"
     vulkan = QUICK_TESTS if is_quick else ("*",)
     parts = 8 if is_quick else 1
     return [
@@ -56,7 +56,7 @@ def steps_of(device, is_quick):
         tests("vulkan_tests_1", "one half of all other tests of the GPU", "vulkan_tests", vulkan, 1, 2),
         tests("vulkan_tests_2", "the other half", "vulkan_tests", vulkan, 2, 2),
         tables("fields", "tables of whole fields, stages and the harmonic solve", "fields", "stages", "solve", "coarse"),
-        tables("counted-bunny", "counted work beside measured times, 80 k triangles", "counted-bunny"),
+        tables("counted-scan", "counted work beside measured times, 80 k triangles", "counted-scan"),
         tables("counted-million", "counted work beside measured times, 1.3 M triangles", f"counted-{largest}"),
         tables("meshes", "times over the meshes, beside the CPU", "meshes"),
         tables("resolutions", "times over the resolutions, beside the CPU", "resolutions"),
