@@ -19,6 +19,13 @@ namespace {
 constexpr uint32_t kRun = 512;  // Triangles of the curve that one group reorders.
 constexpr uint32_t kMostTriangles = uint32_t{1} << 29;
 
+/// Returns the bits of the keys by which triangles are sorted. Runs of the curve are ordered anew, so that
+/// few bits give the same leaves: docs/decisions/vulkan_exact_distance.md.
+uint32_t keyBitsFor(uint32_t triangles) {
+  constexpr uint32_t kFewTriangles = 100'000, kManyTriangles = 4'000'000;
+  return triangles <= kFewTriangles ? 16 : triangles <= kManyTriangles ? 24 : kMostKeyBits;
+}
+
 uint32_t nodesOver(uint32_t count) {
   return (count + kTreeArity - 1) / kTreeArity;
 }
@@ -102,14 +109,15 @@ void SurfaceTreeStage::record(Commands& commands, const DeviceMesh& mesh, const 
                        .dimY = static_cast<uint32_t>(dims.y),
                        .dimZ = static_cast<uint32_t>(dims.z),
                        .levelStart = levels_[0].start,
-                       .levelCount = levels_[0].count};
+                       .levelCount = levels_[0].count,
+                       .keyBits = keyBitsFor(mesh.triangleCount)};
   commands.fill(meshBounds_, UINT32_MAX);
   commands.dispatch(bounds_, push, ceilDiv(mesh.vertexCount, kVerticesEach));
   commands.dispatch(keys_, push, mesh.triangleCount);
   push.order =
       sort_
           .record(commands, {push.keys, push.order}, {sortKeys_[1].address(), triangles_[1].address()},
-                  {.most = mesh.triangleCount}, kMortonBits)
+                  {.most = mesh.triangleCount}, push.keyBits)
           .values;
   commands.dispatch(order_, push, (uint64_t{mesh.triangleCount} + 1) / 2);
   commands.dispatch(leaves_, push, uint64_t{roundUp(push.levelCount)} * kTreeArity);

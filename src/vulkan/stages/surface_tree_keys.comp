@@ -15,7 +15,8 @@ uint spread(uint v) {
 void main() {
   const uint triangle = invocationIndex();
   if (triangle >= push.triangleCount) return;
-  const uvec3 place = placeOf(triangle) >> (kPlaceBits - kMortonBits / 3);
-  push.keys.at[triangle] = spread(place.x) << 2 | spread(place.y) << 1 | spread(place.z);
+  const uvec3 place = placeOf(triangle) >> (kPlaceBits - kMostKeyBits / 3);
+  const uint key = spread(place.x) << 2 | spread(place.y) << 1 | spread(place.z);
+  push.keys.at[triangle] = key >> (kMostKeyBits - push.keyBits);
   push.order.at[triangle] = triangle;
 }
