@@ -23,11 +23,12 @@ static_assert(kNoneClosest == kNoTriangle);
 
 /// Some drivers in software end loops after 65,535 iterations. From here on it is too much work for them.
 constexpr uint32_t kMostLoops = 20000;
-/// Work from which on a block keeps a card waiting; with many blocks, others run meanwhile
-/// (docs/decisions/vulkan_exact_distance.md).
+constexpr uint32_t kAnyWork = 1;
+/// Work from which on a block keeps a card waiting; with many blocks, others run meanwhile. Of few blocks,
+/// every one does (docs/decisions/vulkan_exact_distance.md).
 uint32_t heavyWorkOf(uint64_t blocks) {
-  constexpr uint64_t kFewBlocks = 16384;
-  return blocks <= kFewBlocks ? 2000 : 5000;
+  constexpr uint64_t kFewBlocks = 2500, kManyBlocks = 16384;
+  return blocks <= kFewBlocks ? kAnyWork : blocks <= kManyBlocks ? 2000 : 5000;
 }
 /// Groups of one dispatch. A multiple of the most along an axis, so that no part has surplus groups.
 constexpr uint32_t kAloneGroups = 16 * kMaxGroups;
@@ -129,16 +130,28 @@ void ExactDistanceStage::recordBlocks(Commands& commands, ExactDistancePush push
     commands.fill(heavy_.handle(), heavy_.offset(), sizeof(uint32_t), 0);
     if (hasShortLoops_) commands.fill(left_.handle(), left_.offset(), sizeof(uint32_t), 0);
   });
+  const bool areAllAlone = heavyWork() == kAnyWork;
   for (uint32_t level = 0; level <= kSmallest; ++level) {
     push.side = kSides[level];
     push.parents = level > 0 ? lists_[level - 1].address() : 0;
     push.blocksPerParent = level > 0 ? kSides[level - 1] / kSides[level] : 0;
     push.lists = level < kSmallest ? lists_[level].address() : 0;
     push.mostWork = level == kSmallest ? heavyWork() : hasShortLoops_ ? kMostLoops : 0;
+    if (level == kSmallest && areAllAlone) break;
     commands.dispatch(level < kSmallest ? blocks_ : samples_, push, blocks(level) * maxSubgroup_);
   }
-  recordAlone(commands, push);
+  if (areAllAlone)
+    recordAll(commands, push);
+  else
+    recordAlone(commands, push);
   if (hasShortLoops_) recordRest(commands, push);
+}
+
+/// Searches for every sample by itself, from the lists of the blocks above.
+void ExactDistanceStage::recordAll(Commands& commands, ExactDistancePush push) {
+  push.mostWork = hasShortLoops_ ? kMostLoops : 0;
+  push.heavy = 0;
+  commands.dispatch(alone_, push, blocks(kSmallest) * kBlockSamples * maxSubgroup_);
 }
 
 /// Finishes heavy blocks: a subgroup for each of their samples.

@@ -21,7 +21,8 @@ class ExactDistanceStage {
   struct Imitated {
     uint32_t subgroups = 0;  ///< Subgroups per group: 1, 2 or 4; 0: what suits the device.
     int32_t rootError = 0;   ///< Units in the last place by which roots for bounds are off.
-    uint32_t mostWork = 0;   ///< Loop iterations from which on a block is heavy; 0: what suits the device.
+    uint32_t mostWork =
+        0;  ///< Loop iterations from which on a block is heavy, 1: every one; 0: what suits the device.
   };
 
   explicit ExactDistanceStage(Device& device, ScratchMemory* scratch = nullptr)
@@ -45,6 +46,7 @@ class ExactDistanceStage {
   uint64_t blocks(uint32_t level) const;
   ExactDistancePush pushOf(const SurfaceTreeStage& tree, const Fields& fields) const;
   void recordBlocks(Commands& commands, ExactDistancePush push);
+  void recordAll(Commands& commands, ExactDistancePush push);
   void recordAlone(Commands& commands, ExactDistancePush push);
   void recordRest(Commands& commands, ExactDistancePush push);
   uint64_t samples() const { return uint64_t(dims_.x) * uint64_t(dims_.y) * uint64_t(dims_.z); }

@@ -20,7 +20,7 @@ struct ExactDistancePush {
   RAYMAP_ADDRESS(Uints) lists;    // Lists of these blocks; unused for the smallest.
   RAYMAP_ADDRESS(Floats) distance;
   RAYMAP_ADDRESS(Uints) triangle;  // 0: not requested.
-  // Small blocks with too much work: the number of their samples, then their indices.
+  // Small blocks with too much work: the number of their samples, then their indices; 0: all blocks.
   RAYMAP_ADDRESS(Uints) heavy;
   RAYMAP_ADDRESS(Uints) left;  // Samples with too much work: their number, then their indices.
   uint dimX, dimY, dimZ;
