@@ -1,11 +1,10 @@
-#include "vulkan/stages/face_search.h"
-
 #include <algorithm>
 #include <tuple>
 
 #include "mesh/double_sided.h"
 #include "mesh/rim_edges.h"
 #include "shapes.h"
+#include "vulkan/self_test/face_probe.h"
 #include "vulkan_device.h"
 
 namespace raymap::vulkan {
@@ -13,14 +12,7 @@ namespace {
 
 class VulkanFaceSearch : public VulkanTest {
  protected:
-  /// Searches on the device, also in meshes with fewer faces than are reserved.
-  static void search(FaceSearchStage& stage, const Mesh& mesh) {
-    MeshUpload upload(device());
-    upload.fill(mesh);
-    const CellMeshStage::Source& source = upload.source();
-    stage.reserve(source.vertexCount + 5, source.triangleCount + 7);
-    run([&](Commands& commands) { stage.record(commands, source, source.triangles); });
-  }
+  static void search(FaceSearchStage& stage, const Mesh& mesh) { searchFaces(Probe(device()), stage, mesh); }
 
   static void expectTheSame(FaceSearchStage& stage, const Mesh& mesh) {
     search(stage, mesh);

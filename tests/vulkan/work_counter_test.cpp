@@ -81,7 +81,7 @@ TEST_F(VulkanWorkCounter, CountsAllPartsOfASubmission) {
   commands.dispatch(*loops_, first, kGroup);
   buffer.submitPart(commands);
   commands.dispatch(*loops_, second, 2 * kGroup);
-  buffer.waitForPart();  // The second dispatch is not done, so nothing is read.
+  buffer.waitForParts();  // The second dispatch is not done, so nothing is read.
   buffer.submitAndWait();
   ASSERT_EQ(counter_->commands().size(), 2u);
   EXPECT_EQ(counter_->commands()[0].work.operations, small.operations);

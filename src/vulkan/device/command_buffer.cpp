@@ -1,6 +1,6 @@
 #include "vulkan/device/command_buffer.h"
 
-#include <utility>
+#include <algorithm>
 
 namespace raymap::vulkan {
 
@@ -10,8 +10,8 @@ CommandBuffer::CommandBuffer(Device& device) : device_(&device), timer_(device) 
                                      .queueFamilyIndex = device.queueFamily()};
   create(pool_, device.handle(), vkCreateCommandPool, pool, "making a command pool");
   const VkFenceCreateInfo fence{.sType = VK_STRUCTURE_TYPE_FENCE_CREATE_INFO};
-  for (Fence* each : {&fence_, &partFence_})
-    create(*each, device.handle(), vkCreateFence, fence, "making a fence");
+  create(fence_, device.handle(), vkCreateFence, fence, "making a fence");
+  for (Fence& each : partFences_) create(each, device.handle(), vkCreateFence, fence, "making a fence");
   const VkCommandBufferAllocateInfo info{.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO,
                                          .commandPool = pool_.get(),
                                          .level = VK_COMMAND_BUFFER_LEVEL_PRIMARY,
@@ -20,37 +20,42 @@ CommandBuffer::CommandBuffer(Device& device) : device_(&device), timer_(device) 
 }
 
 CommandBuffer::~CommandBuffer() {
-  if (!isPartSubmitted_) return;
-  const VkFence fence = partFence_.get();  // An error left the part unused.
-  vkWaitForFences(device_->handle(), 1, &fence, VK_TRUE, UINT64_MAX);
+  for (size_t part = parts_ - std::min(parts_, kBuffers); part < parts_;
+       ++part) {  // An error left them unused.
+    const VkFence fence = partFences_[part % kBuffers].get();
+    vkWaitForFences(device_->handle(), 1, &fence, VK_TRUE, UINT64_MAX);
+  }
 }
 
 Commands CommandBuffer::begin() {
-  waitForPart();
+  waitForParts();
+  parts_ = 0;
   check(vkResetCommandPool(device_->handle(), pool_.get(), 0), "resetting a command pool");
   startRecording();
-  return {buffers_[0], device_->pipelineLayout(), &timer_};
+  return {buffer(), device_->pipelineLayout(), &timer_};
 }
 
 void CommandBuffer::startRecording() {
   const VkCommandBufferBeginInfo info{.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO,
                                       .flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT};
-  check(vkBeginCommandBuffer(buffers_[0], &info), "recording commands");
+  check(vkBeginCommandBuffer(buffer(), &info), "recording commands");
 }
 
-void CommandBuffer::submitPart(Commands& commands) {
-  waitForPart();
-  submit(partFence_.get());
-  isPartSubmitted_ = true;
-  std::swap(buffers_[0], buffers_[1]);
+size_t CommandBuffer::submitPart(Commands& commands) {
+  submit(partFences_[parts_ % kBuffers].get());
+  if (++parts_ >= kBuffers) waitForPart(parts_ - kBuffers);
   startRecording();
-  commands.continueIn(buffers_[0]);
+  commands.continueIn(buffer());
+  return parts_ - 1;
 }
 
-void CommandBuffer::waitForPart() {
-  if (!std::exchange(isPartSubmitted_, false)) return;
-  const VkFence fence = partFence_.get();
-  check(vkWaitForFences(device_->handle(), 1, &fence, VK_TRUE, UINT64_MAX), "waiting for the device");
+void CommandBuffer::waitForPart(size_t part) {
+  const bool isPending = part < parts_ && part + kBuffers >= parts_;
+  if (isPending) waitFor(partFences_[part % kBuffers].get());
+}
+
+void CommandBuffer::waitForParts() {
+  for (size_t part = parts_ - std::min(parts_, kBuffers); part < parts_; ++part) waitForPart(part);
 }
 
 void CommandBuffer::submit() {
@@ -58,10 +63,10 @@ void CommandBuffer::submit() {
 }
 
 void CommandBuffer::submit(VkFence fence) {
-  showAll(buffers_[0]);
-  check(vkEndCommandBuffer(buffers_[0]), "recording commands");
+  showAll(buffer());
+  check(vkEndCommandBuffer(buffer()), "recording commands");
   const VkCommandBufferSubmitInfo commands{.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_SUBMIT_INFO,
-                                           .commandBuffer = buffers_[0]};
+                                           .commandBuffer = buffer()};
   const VkSubmitInfo2 submit{.sType = VK_STRUCTURE_TYPE_SUBMIT_INFO_2,
                              .commandBufferInfoCount = 1,
                              .pCommandBufferInfos = &commands};
@@ -70,7 +75,10 @@ void CommandBuffer::submit(VkFence fence) {
 }
 
 void CommandBuffer::wait() {
-  const VkFence fence = fence_.get();
+  waitFor(fence_.get());
+}
+
+void CommandBuffer::waitFor(VkFence fence) {
   check(vkWaitForFences(device_->handle(), 1, &fence, VK_TRUE, UINT64_MAX), "waiting for the device");
 }
 

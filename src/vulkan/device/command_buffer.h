@@ -16,10 +16,13 @@ class CommandBuffer {
 
   /// Discards what was recorded. The result is valid until `submit`.
   Commands begin();
-  /// Submits what was recorded so far. `commands` then record the rest, which `submit` submits.
-  void submitPart(Commands& commands);
-  /// Waits for the last part that was submitted. The host can then read its results.
-  void waitForPart();
+  /// Submits what was recorded since the last part, and returns the number of the part. `commands` then
+  /// record the rest, which `submit` submits.
+  size_t submitPart(Commands& commands);
+  /// Waits for a part and those before. The host can then read their results.
+  void waitForPart(size_t part);
+  /// Waits for all parts that were submitted.
+  void waitForParts();
   /// Submits what was recorded.
   void submit();
   /// Waits for what was submitted. The host can then read the results.
@@ -34,13 +37,18 @@ class CommandBuffer {
  private:
   Device* device_;
   void submit(VkFence fence);
+  void waitFor(VkFence fence);
   void startRecording();
 
   CommandPool pool_;
-  Fence fence_, partFence_;
+  VkCommandBuffer buffer() const { return buffers_[parts_ % kBuffers]; }
+
+  static constexpr size_t kBuffers = 4;  // Parts take turns.
+  Fence fence_;
+  std::array<Fence, kBuffers> partFences_;
   StageTimer timer_;
-  std::array<VkCommandBuffer, 2> buffers_{};  // Owned by the pool. The first is recorded.
-  bool isPartSubmitted_ = false;
+  std::array<VkCommandBuffer, kBuffers> buffers_{};  // Owned by the pool.
+  size_t parts_ = 0;                                 // Submitted since `begin`.
 };
 
 }  // namespace raymap::vulkan

@@ -11,6 +11,7 @@ layout(local_size_x_id = 0) in;
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Uints { uint at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Ints { int at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Floats { float at[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 8) buffer Uint64s { uint64_t at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 16) buffer Uvec4s { uvec4 at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 16) buffer Vec4s { vec4 at[]; };
 

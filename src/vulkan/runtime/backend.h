@@ -28,6 +28,8 @@ class Backend : public StageRecorder, private RecordingListener {
   }
   /// Uploads the mesh and sizes the field.
   void begin();
+  /// Of few samples, leaves the distances to `winding`.
+  void exactDistance();
   /// Lets the host look for rims if rays disagree.
   void winding(SignMode mode);
   void windingDipoles();
@@ -64,15 +66,21 @@ class Backend : public StageRecorder, private RecordingListener {
   /// work in between is included, the transfers are not. 0 if the device has no timestamps.
   double milliseconds() const { return fieldReady_ - meshReady_; }
 
+ protected:
+  /// Names the stage of what is recorded from now on.
+  virtual void startStage(const char* name);
+
  private:
   void searchFaces();
+  size_t submitPart();
+  void recordDueDistance();
   void searchRims(SignMode mode);
-  void startStage(const char* name);
   void stopStage();
   /// Runs all recorded work, and meanwhile `work` on the host.
   template <class Work>
   void runBeside(Work&& work);
-  /// Reads the share of doubtful samples, and does `work` on the host until it is there.
+  /// Reads the share of doubtful samples, and does `work` on the host until it is there. The device goes on
+  /// with distances that are due.
   template <class Work>
   double countDoubtful(Work&& work);
   void run();
@@ -91,6 +99,8 @@ class Backend : public StageRecorder, private RecordingListener {
   Device* device_;
   std::optional<Job> job_;
   const char* openStage_ = nullptr;
+  size_t faceSearchPart_ = 0;  ///< Of the command buffer.
+  bool isDistanceDue_ = false;
   std::optional<double> doubtfulShare_;  ///< Empty until it is read.
   RimLattices rims_;
   std::optional<DoubleSidedFaces> doubleSided_;
@@ -103,10 +113,10 @@ class Backend : public StageRecorder, private RecordingListener {
   std::vector<Stats::Stage> stages_;
   double meshReady_ = 0.0, fieldReady_ = 0.0;
 
-  CommandBuffer commandBuffer_;
   MeshUpload upload_;
   DeviceBuffer distance_, triangle_, winding_, confidence_;
   DeviceBuffer findings_, piece_;  // Read by the host.
+  CommandBuffer commandBuffer_;    // Destroyed first: it waits for what the device still does.
 };
 
 static_assert(HostBackend<Backend>);

@@ -38,16 +38,16 @@ void StageRecorder::reserve(const Extent& extent) {
   if (extent.searchesFaces) faceSearch_.reserve(extent.vertices, extent.triangles);
   // The sign needs only the distances themselves, so the stages of both share their scratch memory.
   scratch_.startPhase();
-  if (hasSign()) reserveSign();
+  const size_t afterRays = hasSign() ? reserveSign() : 0;
   // Reserved last, because the levels of cells keep addresses.
-  scratch_.startPhase();
+  scratch_.startPhase(extent.castsRaysFirst ? afterRays : 0);
   if (isExact())
     exactDistance_.reserve(extent.dims);
   else
     reserveCells();
 }
 
-void StageRecorder::reserveSign() {
+size_t StageRecorder::reserveSign() {
   const glm::ivec3& dims = extent_.dims;
   crossings_.reserve(dims, extent_.triangles, extent_.closesHoles);
   windingNumber_.resize<float>(extent_.hasWinding ? 0 : sampleCount());
@@ -61,6 +61,7 @@ void StageRecorder::reserveSign() {
   scratch_.startPhase(solve);  // The dipoles come after the solve.
   if (extent_.sign == SignMode::Harmonic || extent_.closesHoles)
     windingDipoles_.reserve(extent_.triangles, dims);
+  return solve;
 }
 
 void StageRecorder::start(const Commands& commands, const Grid& grid, const FieldOptions& options) {
@@ -75,12 +76,13 @@ void StageRecorder::setResults(const Results& results) {
 }
 
 void StageRecorder::recordMesh(const CellMeshStage::Source& source) {
-  mesh_.record(*commands_, source, *grid_, extent_.outside);
+  mesh_.record(*commands_, source, *grid_, extent_.outside,
+               extent_.searchesFaces ? faceSearch_.vertexHashes() : 0);
   hasSurfaceTree_ = false;
 }
 
-void StageRecorder::recordFaceSearch(const CellMeshStage::Source& source) {
-  faceSearch_.record(*commands_, source, mesh_.mesh().triangles);
+void StageRecorder::recordFaceSearch() {
+  faceSearch_.record(*commands_, mesh_.mesh());
 }
 
 void StageRecorder::exactDistance() {

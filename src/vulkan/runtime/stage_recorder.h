@@ -58,8 +58,9 @@ class StageRecorder {
     bool hasWinding = false;  ///< Whether the results always include a buffer for the winding number.
     bool turnsFaces = false;
     bool closesHoles = false;
-    bool findsRims = false;      ///< Whether the host looks for rims.
-    bool searchesFaces = false;  ///< Whether the device searches for rims and faces that lie on others.
+    bool findsRims = false;       ///< Whether the host looks for rims.
+    bool castsRaysFirst = false;  ///< Whether exact distances come after the rays.
+    bool searchesFaces = false;   ///< Whether the device searches for rims and faces that lie on others.
     /// Cells that the paper's distances search: `coverBounds` of meshes that reach at most `outside` beyond
     /// the grid.
     std::vector<CellLattice> lattices;
@@ -100,7 +101,7 @@ class StageRecorder {
   void setResults(const Results& results);
   void recordMesh(const CellMeshStage::Source& source);
   /// Records the search in the mesh that was recorded last.
-  void recordFaceSearch(const CellMeshStage::Source& source);
+  void recordFaceSearch();
   const FaceSearchStage& faceSearch() const { return faceSearch_; }
   // For the stage `orientation`.
   void recordMisfit();
@@ -140,7 +141,8 @@ class StageRecorder {
     DistanceTransformStage transform;
   };
 
-  void reserveSign();
+  /// Returns the place of scratch memory from which on nothing holds rays.
+  size_t reserveSign();
   void reserveCells();
   bool isRaster() const { return extent_.distance == DistanceMode::Raster; }
   /// Returns the tree of the current mesh; records its construction first if the mesh has none.

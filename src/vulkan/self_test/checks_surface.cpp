@@ -8,8 +8,8 @@
 #include "testing/reference.h"
 #include "vulkan/self_test/cells.h"
 #include "vulkan/self_test/checks.h"
+#include "vulkan/self_test/face_probe.h"
 #include "vulkan/stages/exact_distance.h"
-#include "vulkan/stages/face_search.h"
 #include "vulkan/stages/finish.h"
 #include "vulkan/stages/surface_tree.h"
 #include "vulkan/stages/winding_dipoles.h"
@@ -181,11 +181,7 @@ void checkFaceSearch(Subject& subject) {
   }
   for (const Mesh& mesh : {shapes::sphere(1.0, 4), open, doubled, shapes::soup(300, 8)}) {
     FaceSearchStage search(probe.device());
-    MeshUpload upload(probe.device());
-    upload.fill(mesh);
-    search.reserve(upload.source().vertexCount, upload.source().triangleCount);
-    probe.run(
-        [&](Commands& commands) { search.record(commands, upload.source(), upload.source().triangles); });
+    searchFaces(probe, search, mesh);
     const auto ends = [](const std::vector<RimEdge>& edges) {
       std::vector<uint32_t> all;
       for (const RimEdge& edge : edges) all.insert(all.end(), {edge.from, edge.to, edge.times});

@@ -43,7 +43,8 @@ void CellMeshStage::reserve(uint32_t vertices, uint32_t triangles) {
   gate_.plan(std::array{ceilDiv(std::max(vertices, triangles), kGroup)});
 }
 
-void CellMeshStage::record(Commands& commands, const Source& source, const Grid& grid, double outside) {
+void CellMeshStage::record(Commands& commands, const Source& source, const Grid& grid, double outside,
+                           VkDeviceAddress hashes) {
   const glm::dvec3 shift = source.origin - grid.origin;
   const glm::dvec3 high = glm::dvec3(grid.dims) - 0.5 + outside;
   const CellMeshPush push{.positions = source.positions,
@@ -51,6 +52,7 @@ void CellMeshStage::record(Commands& commands, const Source& source, const Grid&
                           .vertices = vertices_.address(),
                           .triangles = triangles_.address(),
                           .status = status_.address(),
+                          .hashes = hashes,
                           .shiftX = std::bit_cast<uint64_t>(shift.x),
                           .shiftY = std::bit_cast<uint64_t>(shift.y),
                           .shiftZ = std::bit_cast<uint64_t>(shift.z),

@@ -29,7 +29,9 @@ class CellMeshStage {
   /// Reserves memory for meshes of at most this size. All previously recorded work must have completed.
   void reserve(uint32_t vertices, uint32_t triangles);
   /// Records the conversion. Counts the triangles that reach more than `outside` samples beyond the grid.
-  void record(Commands& commands, const Source& source, const Grid& grid, double outside);
+  /// Also writes 64 bits for each vertex to `hashes`, unless that is 0: equal for equal positions.
+  void record(Commands& commands, const Source& source, const Grid& grid, double outside,
+              VkDeviceAddress hashes = 0);
 
   /// Buffers of the mesh of the last `record`.
   const DeviceBuffer& vertexBuffer() const { return vertices_; }

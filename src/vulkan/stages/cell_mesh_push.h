@@ -28,6 +28,7 @@ struct CellMeshPush {
   RAYMAP_ADDRESS(Floats) vertices;   // Three numbers per vertex, in cells.
   RAYMAP_ADDRESS(Uints) triangles;   // Checked copy of `corners`.
   RAYMAP_ADDRESS(CellMeshStatusAddress) status;
+  RAYMAP_ADDRESS(Uint64s) hashes;   // Of the positions, for the search for faces; 0: not requested.
   uint64_t shiftX, shiftY, shiftZ;  // From the grid's origin to the mesh's; bits of doubles.
   uint64_t scale;                   // Cells per unit; bits of a double.
   uint stride;                      // Numbers from one position to the next.
@@ -37,6 +38,6 @@ struct CellMeshPush {
   float highX, highY, highZ;
   uint unused;
 };
-RAYMAP_CHECK_SIZE(CellMeshPush, 104);
+RAYMAP_CHECK_SIZE(CellMeshPush, 112);
 
 RAYMAP_SHARED_END

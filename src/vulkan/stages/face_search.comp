@@ -6,20 +6,8 @@
 #include "base/hash_shared.h"
 #include "vulkan/stages/face_search_push.h"
 
-layout(constant_id = 1) const uint kStep = kHashVertices;
+layout(constant_id = 1) const uint kStep = kCountFaces;
 layout(push_constant, scalar) uniform Push { FaceSearchPush push; };
-
-// Returns a coordinate's bits, equal where coordinates are: -0 equals 0.
-uint bitsOf(uint place) {
-  const uint bits = floatBitsToUint(push.positions.at[place]);
-  return bits == 0x80000000u ? 0 : bits;
-}
-
-void hashVertex(uint v) {
-  if (v >= push.vertexCount) return;
-  const uint at = push.stride * v;
-  push.vertexHashes.at[v] = mixed(hashOf(bitsOf(at), bitsOf(at + 1), bitsOf(at + 2)));
-}
 
 void listEdge(uint edge) {
   const uint place = atomicAdd(push.counts.at[0], 1);
@@ -73,8 +61,5 @@ void visitFace(uint face) {
 }
 
 void main() {
-  if (kStep == kHashVertices)
-    hashVertex(invocationIndex());
-  else
-    visitFace(invocationIndex());
+  visitFace(invocationIndex());
 }

@@ -17,8 +17,7 @@ constexpr uint32_t kLeastSlots = 64;
 }  // namespace
 
 FaceSearchStage::FaceSearchStage(Device& device, ScratchMemory* scratch)
-    : hash_(device, shaders::kFaceSearch, kGroup, {kHashVertices}),
-      count_(device, shaders::kFaceSearch, kGroup, {kCountFaces}),
+    : count_(device, shaders::kFaceSearch, kGroup, {kCountFaces}),
       list_(device, shaders::kFaceSearch, kGroup, {kListFaces}),
       vertexHashes_(device, "hashes of vertices", scratch),
       tables_(device, "tables of edges and faces", scratch),
@@ -35,13 +34,11 @@ void FaceSearchStage::reserve(uint32_t vertices, uint32_t triangles) {
   hostLists_.resize<uint32_t>(kLists * (1 + room_));
 }
 
-void FaceSearchStage::record(Commands& commands, const CellMeshStage::Source& mesh,
-                             VkDeviceAddress triangles) {
+void FaceSearchStage::record(Commands& commands, const DeviceMesh& mesh) {
   const auto words = [](const DeviceBuffer& buffer, uint64_t first) {
     return buffer.address() + first * sizeof(uint32_t);
   };
-  const FaceSearchPush push{.positions = mesh.positions,
-                            .triangles = triangles,
+  const FaceSearchPush push{.triangles = mesh.triangles,
                             .vertexHashes = vertexHashes_.address(),
                             .sums = words(tables_, 0),
                             .hashes = words(tables_, sumCount_),
@@ -50,8 +47,6 @@ void FaceSearchStage::record(Commands& commands, const CellMeshStage::Source& me
                             .edges = words(lists_, kLists),
                             .faces = words(lists_, kLists + room_),
                             .room = room_,
-                            .stride = mesh.stride,
-                            .vertexCount = mesh.vertexCount,
                             .triangleCount = mesh.triangleCount,
                             .sumCount = sumCount_,
                             .hashCount = hashCount_};
@@ -59,7 +54,6 @@ void FaceSearchStage::record(Commands& commands, const CellMeshStage::Source& me
     commands.fill(tables_, 0);
     commands.fill(lists_, 0);
   });
-  commands.dispatch(hash_, push, push.vertexCount);
   commands.dispatch(count_, push, push.triangleCount);
   commands.dispatch(list_, push, push.triangleCount);
   commands.copy(lists_, hostLists_, lists_.bytes());

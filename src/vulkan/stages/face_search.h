@@ -21,8 +21,9 @@ class FaceSearchStage {
 
   /// Reserves memory for meshes of at most this size. All previously recorded work must have completed.
   void reserve(uint32_t vertices, uint32_t triangles);
-  /// Records the search in a mesh with these triangles, whose indices must be in range.
-  void record(Commands& commands, const CellMeshStage::Source& mesh, VkDeviceAddress triangles);
+  /// Where the hashes of the vertices' positions belong, which `CellMeshStage::record` writes before.
+  VkDeviceAddress vertexHashes() const { return vertexHashes_.address(); }
+  void record(Commands& commands, const DeviceMesh& mesh);
 
   // Valid when the work is done, and empty if there are more than are listed:
   /// Returns edges in any order, as `findRimEdges` takes them.
@@ -33,7 +34,7 @@ class FaceSearchStage {
  private:
   std::optional<std::span<const uint32_t>> listed(uint32_t list) const;
 
-  Kernel<FaceSearchPush> hash_, count_, list_;
+  Kernel<FaceSearchPush> count_, list_;
   DeviceBuffer vertexHashes_, tables_;
   DeviceBuffer lists_, hostLists_;  // Both counts, edges, faces.
   uint32_t room_ = 0, sumCount_ = 0, hashCount_ = 0;

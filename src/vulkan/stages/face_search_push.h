@@ -6,20 +6,12 @@
 
 RAYMAP_SHARED_BEGIN(raymap::vulkan)
 
-#ifndef __cplusplus
-layout(buffer_reference, scalar, buffer_reference_align = 8) buffer Uint64s {
-  uint64_t at[];
-};
-#endif
-
 // The steps of the search; a constant of the shader chooses one.
-RAYMAP_CONSTANT uint kHashVertices = 0;
-RAYMAP_CONSTANT uint kCountFaces = 1;
-RAYMAP_CONSTANT uint kListFaces = 2;
+RAYMAP_CONSTANT uint kCountFaces = 0;
+RAYMAP_CONSTANT uint kListFaces = 1;
 
 struct FaceSearchPush {
-  RAYMAP_ADDRESS(Floats) positions;  // Of the vertices, in the mesh's units.
-  RAYMAP_ADDRESS(Uints) triangles;   // Three vertex indices each, all in range.
+  RAYMAP_ADDRESS(Uints) triangles;  // Three vertex indices each, all in range.
   RAYMAP_ADDRESS(Uint64s) vertexHashes;
   // All zero before:
   RAYMAP_ADDRESS(Uints) sums;    // 0 where all edges end evenly. Several edges share one.
@@ -30,12 +22,10 @@ struct FaceSearchPush {
   RAYMAP_ADDRESS(Uints) edges;
   RAYMAP_ADDRESS(Uints) faces;
   uint room;
-  uint stride;  // Numbers from one position to the next.
-  uint vertexCount;
   uint triangleCount;
   uint sumCount;   // A power of two.
   uint hashCount;  // A power of two, larger than the number of triangles.
 };
-RAYMAP_CHECK_SIZE(FaceSearchPush, 96);
+RAYMAP_CHECK_SIZE(FaceSearchPush, 80);
 
 RAYMAP_SHARED_END

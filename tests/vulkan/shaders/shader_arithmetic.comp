@@ -4,8 +4,6 @@
 #include "vulkan/primitives/rounded_division.glsl"
 #include "vulkan/primitives/soft_double.glsl"
 
-layout(buffer_reference, scalar, buffer_reference_align = 8) buffer Uint64s { uint64_t at[]; };
-
 #include "shader_arithmetic.h"
 
 layout(push_constant, scalar) uniform Push { ShaderArithmeticPush push; };
