@@ -2,7 +2,8 @@
 //
 // Paper: one line per work item, in shared memory; the longer the lines, the fewer are in flight. Here: lines
 // adjacent along x go through a small tile of whole cache lines, because the memory throughput is then the
-// same along x, y and z.
+// same along x, y and z. Along x no envelope is needed: triangles touch the cells that list them, so no value
+// before this pass exceeds 3/4, and the nearest occupied cell on each side is the lowest there.
 
 #include "cpu/cells/distance_transform.h"
 
@@ -26,7 +27,6 @@ class Envelope {
     for (int d = 1; d < length; ++d) halfInverse_[d] = 0.5 / d;
   }
   void clear() { count_ = 0; }
-  bool isEmpty() const { return count_ == 0; }
 
   /// Adds a parabola (Algorithm 2, lines 28-44); q must ascend. Paper: borders between parabolas are real
   /// numbers. Here: a border is the last whole p before it, found exactly, because ties are common and must
@@ -98,8 +98,8 @@ class Transform {
     const size_t lines = size_t(dims_.y) * dims_.z;
     parallelFor(lines, std::max<size_t>(1, (size_t{1} << 16) / dims_.x), [&](size_t begin, size_t end) {
       progress_.report(double(begin) / double(lines) / 3.0);
-      Envelope envelope(dims_.x);
-      for (size_t line = begin; line < end; ++line) transformRow(envelope, line * dims_.x);
+      Row row(dims_.x);
+      for (size_t line = begin; line < end; ++line) transformRow(row, line * dims_.x);
     });
   }
 
@@ -159,17 +159,37 @@ class Transform {
     std::vector<uint32_t> cells;
   };
 
-  void transformRow(Envelope& envelope, size_t row) {
-    envelope.clear();
+  /// A line along x before the pass.
+  struct Row {
+    explicit Row(int n) : values(n), left(n) {}
+    std::vector<float> values;
+    std::vector<int> left;  ///< Nearest occupied cell at or before each, or -1.
+  };
+
+  void transformRow(Row& before, size_t row) {
     float* line = squared_.data() + row;
-    uint32_t* cells = cells_.data() + row;
-    for (int q = 0; q < dims_.x; ++q)
-      if (line[q] < empty_) envelope.push(q, line[q], static_cast<uint32_t>(row + q));
-    if (envelope.isEmpty()) std::fill_n(cells, dims_.x, kNoCell);
-    envelope.sample([&](int p, float value, uint32_t cell) {
-      line[p] = value;
-      cells[p] = cell;
-    });
+    std::copy_n(line, dims_.x, before.values.data());
+    int last = -1, next = -1;
+    for (int x = 0; x < dims_.x; ++x) {
+      if (line[x] < empty_) last = x;
+      before.left[x] = last;
+    }
+    for (int x = dims_.x; x-- > 0;) {
+      if (before.values[x] < empty_) next = x;
+      const int nearest = nearestOf(before, x, next);
+      cells_[row + x] = nearest < 0 ? kNoCell : static_cast<uint32_t>(row + nearest);
+      if (nearest < 0) continue;
+      const auto d = static_cast<float>(x - nearest);
+      line[x] = d * d + before.values[nearest];
+    }
+  }
+
+  /// Returns the nearer of the nearest cells on both sides; of equally near ones, that of the lower value.
+  static int nearestOf(const Row& row, int x, int right) {
+    const int left = row.left[x];
+    if (left < 0 || right < 0) return std::max(left, right);
+    if (x - left != right - x) return x - left < right - x ? left : right;
+    return row.values[right] < row.values[left] ? right : left;
   }
 
   glm::ivec3 dims_;

@@ -1,11 +1,11 @@
-// Krayer & Müller 2019, §3.3, Algorithms 1 and 2, along one axis.
+// Krayer & Müller 2019, §3.3, Algorithms 1 and 2, along y or z.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "vulkan/device/kernel.glsl"
 #include "method/cell_lattice_shared.h"
 #include "vulkan/stages/distance_transform_push.h"
 
-layout(constant_id = 1) const uint kAxis = 0;
+layout(constant_id = 1) const uint kAxis = 1;
 layout(constant_id = 2) const uint kCells = 1;     // Maximum number of cells in a group's lines.
 layout(constant_id = 3) const uint kSegments = 1;  // Maximum number of segments in a group's lines.
 layout(push_constant, scalar) uniform Push { DistanceTransformPush push; };
@@ -22,23 +22,18 @@ shared uint segments[kSegments];  // Sites left: begin | end << 16. In the end: 
 struct Tile {
   uint base;    // First cell of the first line.
   uint stride;  // From a cell to the next one of its line.
-  uint lines;   // Number of lines: adjacent in x, or consecutive for lines along x.
+  uint lines;   // Number of lines, adjacent in x.
 };
 
 uint lineLength() {
-  return kAxis == 0 ? push.nx : kAxis == 1 ? push.ny : push.nz;
+  return kAxis == 1 ? push.ny : push.nz;
 }
 
 uint groupCount() {
-  return kAxis == 0 ? ceilDiv(push.ny * push.nz, push.lines)
-                    : ceilDiv(push.nx, push.lines) * (kAxis == 1 ? push.nz : push.ny);
+  return ceilDiv(push.nx, push.lines) * (kAxis == 1 ? push.nz : push.ny);
 }
 
 Tile tileOf(uint group) {
-  if (kAxis == 0) {
-    const uint line = group * push.lines;
-    return Tile(line * push.nx, 1, min(push.lines, push.ny * push.nz - line));
-  }
   const uint tilesInRow = ceilDiv(push.nx, push.lines);
   const uint x = group % tilesInRow * push.lines, outer = group / tilesInRow;
   const uint plane = push.nx * push.ny;
@@ -48,7 +43,7 @@ Tile tileOf(uint group) {
 
 // Returns the place in shared memory.
 uint placeOf(uint line, uint p) {
-  return kAxis == 0 ? line * lineLength() + p : p * push.lines + line;
+  return p * push.lines + line;
 }
 
 float valueAt(uint line, uint slot) {
@@ -162,7 +157,6 @@ void mergeEnvelopes(uint line, uint first, uint middle, uint end) {
 // Returns the value of a cell before this pass: its own value plus the squared distances along the finished
 // axes. Reads memory even if the cell has no value, so that the reads of several cells can overlap.
 float valueBefore(uint cell, uint x, uint y, uint p) {
-  if (kAxis == 0) return push.values.at[cell];
   const uint nearest = push.from.at[cell];
   const uint nearestX = nearest == kNoCell ? x : nearest & 0xffff;
   const float dx = float(int(x) - int(nearestX));
@@ -179,23 +173,22 @@ float valueBefore(uint cell, uint x, uint y, uint p) {
 
 // Returns the word to write for the nearest cell at q, which the pass before found in `cell`.
 uint resultOf(uint cell, uint q) {
-  if (kAxis == 0) return q;
   const uint nearest = push.from.at[cell];
   if (kAxis == 1) return nearest | q << 16;
   return (q * push.ny + (nearest >> 16)) * push.nx + (nearest & 0xffff);
 }
 
 uint cellOf(Tile tile, uint line, uint p) {
-  return kAxis == 0 ? tile.base + line * push.nx + p : tile.base + p * tile.stride + line;
+  return tile.base + p * tile.stride + line;
 }
 
-// Returns line and p of a place in shared memory. Along x only the two together identify the cell.
+// Returns line and p of a place in shared memory.
 uvec2 lineAt(uint place) {
-  return kAxis == 0 ? uvec2(0, place) : uvec2(place & (push.lines - 1), place >> findLSB(push.lines));
+  return uvec2(place & (push.lines - 1), place >> findLSB(push.lines));
 }
 
-uint placeCount(Tile tile) {
-  return lineLength() * (kAxis == 0 ? tile.lines : push.lines);
+uint placeCount() {
+  return lineLength() * push.lines;
 }
 
 // Returns the n-th place that an invocation loads and stores, from `first` on.
@@ -204,7 +197,7 @@ uint placeAfter(uint first, uint n) {
 }
 
 void load(Tile tile) {
-  const uint count = placeCount(tile), x = tile.base % push.nx, y = tile.base / push.nx;
+  const uint count = placeCount(), x = tile.base % push.nx, y = tile.base / push.nx;
   for (uint first = gl_LocalInvocationID.x; first < count; first += kCellsAtOnce * gl_WorkGroupSize.x) {
     float loaded[kCellsAtOnce];
     [[unroll]] for (uint n = 0; n < kCellsAtOnce; ++n) {
@@ -218,7 +211,7 @@ void load(Tile tile) {
 }
 
 void store(Tile tile) {
-  const uint count = placeCount(tile);
+  const uint count = placeCount();
   for (uint first = gl_LocalInvocationID.x; first < count; first += kCellsAtOnce * gl_WorkGroupSize.x) {
     uint results[kCellsAtOnce];
     [[unroll]] for (uint n = 0; n < kCellsAtOnce; ++n) {
@@ -268,8 +261,7 @@ void main() {
   const Tile tile = tileOf(groupIndex());
   load(tile);
   const uint index = gl_LocalInvocationID.x;
-  const uint line = kAxis == 0 ? index / push.segments : index % push.lines;
-  const uint segment = kAxis == 0 ? index % push.segments : index / push.lines;
+  const uint line = index % push.lines, segment = index / push.lines;
   const bool works = line < tile.lines && segment < push.segments;
   const uint begin = segment * kSegmentCells, end = min(begin + kSegmentCells, lineLength());
   barrier();

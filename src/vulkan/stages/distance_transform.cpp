@@ -1,6 +1,7 @@
 // Krayer & Müller 2019, §3.3, Algorithms 1 and 2.
 //
 // Paper: one line per invocation, in shared memory, so that fewer lines are in flight as lines grow. Here:
+// along x a subgroup takes the nearest cell on each side (distance_transform_rows.comp). Along y and z
 // each invocation computes the lower envelope of one segment of a line. Then neighbouring envelopes are
 // merged, pair by pair. A group therefore has the same number of invocations at every resolution, and as many
 // lines as fit into its shared memory. Passes do not exchange values, only the nearest cell's place; the
@@ -16,6 +17,7 @@
 
 #include "base/ceil_div.h"
 #include "method/cell_lattice.h"
+#include "shaders/distance_transform_rows_spv.h"
 #include "shaders/distance_transform_spv.h"
 
 namespace raymap::vulkan {
@@ -37,7 +39,8 @@ uint32_t segmentsOf(int length) {
 
 DistanceTransformStage::DistanceTransformStage(Device& device, ScratchMemory* scratch)
     : groupSize_(groupSizeOf(device.limits())),
-      alongX_(device, shaders::kDistanceTransform, groupSize_, {0, groupSize_ * kSegmentCells, groupSize_}),
+      subgroupSize_(device.limits().maxSubgroupSize),
+      alongX_(device, shaders::kDistanceTransformRows, std::max(kGroup, device.limits().maxSubgroupSize)),
       alongY_(device, shaders::kDistanceTransform, groupSize_, {1, groupSize_ * kSegmentCells, groupSize_}),
       alongZ_(device, shaders::kDistanceTransform, groupSize_, {2, groupSize_ * kSegmentCells, groupSize_}),
       nearest_(device, "nearest cells", scratch),
@@ -56,9 +59,22 @@ void DistanceTransformStage::reserve(const glm::ivec3& dims) {
 }
 
 void DistanceTransformStage::record(Commands& commands, VkDeviceAddress squared) {
-  pass(commands, alongX_, 0, squared, 0, nearest_.address());
+  const uint64_t rows = uint64_t(dims_.y) * uint64_t(dims_.z);
+  commands.dispatch(alongX_, pushOf(squared, 0, nearest_.address()), rows * subgroupSize_);
   pass(commands, alongY_, 1, squared, nearest_.address(), scratch_.address());
   pass(commands, alongZ_, 2, squared, scratch_.address(), nearest_.address());
+}
+
+DistanceTransformPush DistanceTransformStage::pushOf(VkDeviceAddress squared, VkDeviceAddress from,
+                                                     VkDeviceAddress to) const {
+  const glm::uvec3 dims(dims_);
+  return {.values = squared,
+          .from = from,
+          .to = to,
+          .nx = dims.x,
+          .ny = dims.y,
+          .nz = dims.z,
+          .empty = emptyCell(dims_)};
 }
 
 void DistanceTransformStage::pass(Commands& commands, Kernel<Push>& kernel, int axis, VkDeviceAddress squared,
@@ -68,20 +84,11 @@ void DistanceTransformStage::pass(Commands& commands, Kernel<Push>& kernel, int 
   const glm::uvec3 dims(dims_);
   const uint32_t segments = segmentsOf(dims_[axis]);
   const uint32_t fit = std::min(kMostLines, groupSize_ / segments);
-  const uint32_t lines = axis == 0 ? fit : std::bit_floor(fit);
-  const uint64_t groups = axis == 0 ? ceilDiv(uint64_t{dims.y} * dims.z, lines)
-                                    : ceilDiv(dims.x, lines) * (axis == 1 ? dims.z : dims.y);
-  commands.dispatch(kernel,
-                    {.values = squared,
-                     .from = from,
-                     .to = to,
-                     .nx = dims.x,
-                     .ny = dims.y,
-                     .nz = dims.z,
-                     .lines = lines,
-                     .segments = segments,
-                     .empty = emptyCell(dims_)},
-                    groups * groupSize_);
+  Push push = pushOf(squared, from, to);
+  push.lines = std::bit_floor(fit);
+  push.segments = segments;
+  const uint64_t groups = uint64_t{ceilDiv(dims.x, push.lines)} * (axis == 1 ? dims.z : dims.y);
+  commands.dispatch(kernel, push, groups * groupSize_);
 }
 
 }  // namespace raymap::vulkan

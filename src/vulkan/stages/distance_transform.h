@@ -16,7 +16,8 @@ class DistanceTransformStage {
   /// Reserves memory for grids of these dims. All previously recorded work must have completed. Throws
   /// `Error(Unsupported)` if a line of cells does not fit into the memory that a work group shares.
   void reserve(const glm::ivec3& dims);
-  /// Works on the grid of the last `reserve`. `squared` holds the values f(q) of the stage `cell_distance`.
+  /// Works on the grid of the last `reserve`. `squared` holds the values f(q) of the stage `cell_distance`,
+  /// which are at most 3/4.
   void record(Commands& commands, VkDeviceAddress squared);
 
   /// Address of the index of every cell's nearest cell, or `kNoCell`.
@@ -30,8 +31,11 @@ class DistanceTransformStage {
   void pass(Commands& commands, Kernel<Push>& kernel, int axis, VkDeviceAddress squared, VkDeviceAddress from,
             VkDeviceAddress to);
 
+  Push pushOf(VkDeviceAddress squared, VkDeviceAddress from, VkDeviceAddress to) const;
+
   glm::ivec3 dims_{0};
   uint32_t groupSize_;
+  uint32_t subgroupSize_;  // The largest that a subgroup may be.
   Kernel<Push> alongX_, alongY_, alongZ_;
   DeviceBuffer nearest_, scratch_;
 };

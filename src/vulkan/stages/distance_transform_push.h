@@ -14,7 +14,7 @@ struct DistanceTransformPush {
   RAYMAP_ADDRESS(Uints) from;     // Result of the pass before.
   RAYMAP_ADDRESS(Uints) to;       // Result: x of the nearest cell, then x | y << 16, then its index.
   uint nx, ny, nz;
-  uint lines;     // Lines per group; a power of two except along x.
+  uint lines;     // Lines per group, a power of two; unused along x, as is `segments`.
   uint segments;  // Segments per line.
   float empty;    // Value of cells without triangles.
 };
