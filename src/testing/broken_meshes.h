@@ -20,6 +20,15 @@ inline Mesh keepTriangles(const Mesh& mesh, const std::function<bool(const glm::
   return result;
 }
 
+/// Removes the faces whose first corner lies above this height.
+inline Mesh withoutCap(const Mesh& mesh, double height) {
+  return keepTriangles(mesh, [&](const glm::uvec3& t) { return mesh.position(t.x).z <= height; });
+}
+
+inline Mesh holedSphere(int levels = 3) {
+  return withoutCap(shapes::sphere(1.0, levels), 0.6);
+}
+
 /// Cuts round holes around random vertices; `radius` is a share of the diagonal.
 inline Mesh withHoles(const Mesh& mesh, int count, double radius, unsigned seed) {
   std::mt19937 random(seed);

@@ -24,41 +24,21 @@ Mesh flipped(const Mesh& mesh, double share) {
   return withFlippedFaces(mesh, share, 5);
 }
 
-Mesh insideOut(const Mesh& mesh) {
-  return flipped(mesh, 1.0);
-}
-
-Mesh withoutCap(Mesh mesh, double height) {
-  const Mesh whole = mesh;
-  std::erase_if(mesh.triangles, [&](const glm::uvec3& t) { return whole.position(t.x).z > height; });
-  return mesh;
-}
-
 /// Returns the mesh with faces that share no vertex and do not touch.
 Mesh soupOf(const Mesh& mesh) {
-  std::mt19937 random(7);
-  std::uniform_real_distribution<double> shift(-1e-4, 1e-4);
-  std::vector<glm::dvec3> p;
-  std::vector<glm::uvec3> t;
-  for (const glm::uvec3& face : mesh.triangles) {
-    const auto first = uint32_t(p.size());
-    for (int c = 0; c < 3; ++c)
-      p.push_back(mesh.position(face[c]) + glm::dvec3(shift(random), shift(random), shift(random)));
-    t.emplace_back(first, first + 1, first + 2);
-  }
-  return makeMesh(p, std::move(t));
+  return withMovedCorners(mesh, 5e-5, 7);
 }
 
 /// Returns open solids of every kind whose faces all point the right way.
 std::vector<Mesh> rightMeshes() {
   const Mesh ball = withoutCap(shapes::sphere(1.0, 4), 0.9);
   return {ball,
-          insideOut(ball),
+          shapes::inverted(ball),
           withMissingFaces(shapes::torus(1.0, 0.4, 60, 30), 0.1, 3),
-          shapes::joined(ball, shapes::sphere(0.8, 3, {0.6, 0.2, 0.0})),  // overlapping
-          shapes::joined(ball, shapes::sphere(0.5, 3)),                   // nested
-          shapes::joined(ball, insideOut(shapes::sphere(0.5, 3))),        // a cavity
-          shapes::joined(ball, insideOut(withoutCap(shapes::sphere(0.5, 3), 0.4))),
+          shapes::joined(ball, shapes::sphere(0.8, 3, {0.6, 0.2, 0.0})),   // overlapping
+          shapes::joined(ball, shapes::sphere(0.5, 3)),                    // nested
+          shapes::joined(ball, shapes::inverted(shapes::sphere(0.5, 3))),  // a cavity
+          shapes::joined(ball, shapes::inverted(withoutCap(shapes::sphere(0.5, 3), 0.4))),
           withoutCap(shapes::sphere(1.0, 4), -0.3),  // a bowl
           soupOf(shapes::sphere(1.0, 4)),
           soupOf(shapes::joined(shapes::sphere(1.0, 4), shapes::sphere(0.8, 3, {0.6, 0.2, 0.0})))};
@@ -98,7 +78,7 @@ TEST(Orientation, TurnsFacesBack) {
 TEST(Orientation, DoesNotDependOnTheGivenOne) {
   const Mesh ball = withoutCap(shapes::sphere(1.0, 4), 0.9);
   for (const Mesh& mesh :
-       {ball, soupOf(shapes::sphere(1.0, 4)), shapes::joined(ball, insideOut(shapes::sphere(0.5, 3))),
+       {ball, soupOf(shapes::sphere(1.0, 4)), shapes::joined(ball, shapes::inverted(shapes::sphere(0.5, 3))),
         shapes::joined(ball, shapes::sphere(0.8, 3, {0.6, 0.2, 0.0}))}) {
     const Grid grid = fitGrid(mesh, {.resolution = 40});
     EXPECT_LE(double(countUnlike(runOf(mesh, grid, Orientation::Keep),
@@ -117,7 +97,7 @@ TEST(Orientation, TurnsHalvesThatShareNoVertex) {
     return part;
   };
   const Mesh ball = shapes::sphere(1.0, 4), top = half(ball, 1.0), bottom = half(ball, -1.0);
-  const Mesh right = shapes::joined(top, bottom), broken = shapes::joined(top, insideOut(bottom));
+  const Mesh right = shapes::joined(top, bottom), broken = shapes::joined(top, shapes::inverted(bottom));
   const Grid grid = fitGrid(right, {.resolution = 40});
   const Generated run = runOf(right, grid, Orientation::Keep);
   EXPECT_EQ(0u, countUnlike(run, runOf(broken, grid, Orientation::Auto)));
@@ -223,7 +203,7 @@ TEST(Orientation, ExaminesFacesOnlyIfASignContradictsTheParity) {
   std::erase_if(cap.triangles, [&](const glm::uvec3& t) { return whole.position(t.x).x < 0.7; });
   Mesh rest = ball;
   std::erase_if(rest.triangles, [&](const glm::uvec3& t) { return whole.position(t.x).x >= 0.7; });
-  const Mesh apart = shapes::joined(rest, insideOut(soupOf(cap)));
+  const Mesh apart = shapes::joined(rest, shapes::inverted(soupOf(cap)));
   const Generated turned = runOf(apart, grid, Orientation::Auto);
   EXPECT_FALSE(turned.stats.turnedFaces.empty());
   EXPECT_EQ(countUnlike(turned, right), 0u);
@@ -330,7 +310,8 @@ TEST(DoubleSidedFaces, MakeAUnionOrACavityOfTwo) {
       shapes::joined(shapes::box({0, 0, 0}, {1, 1, 1}), shapes::box({0.5, 0.5, 0.5}, {1.5, 1.5, 1.5}));
   expectSolid(boxes, doubled(boxes), 24);  // A face is half in the other solid.
   const Mesh box = shapes::box({0, 0, 0}, {1, 1, 1}), inner = shapes::box({0.2, 0.2, 0.2}, {0.7, 0.7, 0.7});
-  const Mesh hollow = shapes::joined(box, insideOut(inner));  // Nothing says that the inner one is solid.
+  const Mesh hollow =
+      shapes::joined(box, shapes::inverted(inner));  // Nothing says that the inner one is solid.
   expectSolid(hollow, doubled(hollow), 24);
   expectSolid(hollow, shuffled(doubled(shapes::joined(box, inner))), 24);
 }
@@ -393,7 +374,7 @@ TEST(DoubleSidedFaces, LeaveTheSignWithEveryDistance) {
 TEST(Orientation, KeepsWhatMostOfAPartsAreaSays) {
   // The field fits as well whether the inner sphere bounds a cavity or a solid in the solid.
   const Mesh inner = soupOf(shapes::sphere(0.5, 2)), outer = soupOf(shapes::sphere(1.0, 2));
-  for (const Mesh& right : {shapes::joined(outer, inner), shapes::joined(outer, insideOut(inner))}) {
+  for (const Mesh& right : {shapes::joined(outer, inner), shapes::joined(outer, shapes::inverted(inner))}) {
     const Grid grid = fitGrid(right, {.resolution = 40});
     const Generated whole = runOf(right, grid, Orientation::Keep);
     for (const double share : {0.1, 0.4}) {

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "shapes.h"
+#include "broken_meshes.h"
 #include "sign_scene.h"
 
 namespace raymap {
@@ -53,8 +53,7 @@ TEST(Confidence, IsFullOnAClosedMesh) {
 }
 
 TEST(Confidence, FallsAtTheRimOfAHole) {
-  Mesh mesh = shapes::sphere(1.0, 3);
-  std::erase_if(mesh.triangles, [&](const glm::uvec3& t) { return mesh.position(t.x).z > 0.7; });
+  const Mesh mesh = withoutCap(shapes::sphere(1.0, 3), 0.7);
   const Grid grid{.dims = {21, 21, 21}, .origin = glm::dvec3(-1.2), .spacing = 0.12};
   const RayMap map = rayMapOf(mesh, grid);
   const WindingResult result = windingOf(mesh, grid, SignMode::Harmonic);
