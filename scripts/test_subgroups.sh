@@ -12,7 +12,7 @@ mkdir -p "$MESA_SHADER_CACHE_DIR"
 # Tests of the device alone, those whose kernels use no subgroups, and those that run again what others run. Of whole
 # fields, one test stays.
 device='Buffer|Command|Device|Dispatch|Errors|Instance|Pipelines|SelfTest|ShaderArithmetic|Spirv|StageTimer|WorkCounter'
-stages='CloseHoles|DistanceTransform|Finish|Frames|Render|Sign\.|Skin|WindingHarmonic|WindingPaths'
-left_out="Vulkan($device|$stages|Generator\.[^M])|(DistanceTransform|RasterDistance)Twins|OnRealMeshes|AllocatesNothing"
+stages='CloseHoles|DistanceTransform|Frames|Render|Skin|WindingHarmonic|WindingPaths'
+left_out="Vulkan($device|$stages|Generator\.[^M])|OnRealMeshes|AllocatesNothing"
 export RAYMAP_REQUIRE_VULKAN=1 LP_NATIVE_VECTOR_WIDTH=$width
 ctest --preset release -R Vulkan -E "$left_out" "$@"

@@ -5,8 +5,8 @@
 #include "files.h"
 #include "framing.h"
 #include "mesh_folder.h"
-#include "pictures.h"
 #include "run_program.h"
+#include "vulkan/self_test/compare.h"
 #include "vulkan_device.h"
 
 namespace raymap {
@@ -49,8 +49,9 @@ class AnimatedExample : public vulkan::VulkanTest {
     for (const int frame : {0, 2}) {
       const Mesh moved = posed(mesh, secondsOf(frame, kFrames, mesh));
       const Field field = generate(moved, gridOver(mesh, box, kResolution), {}, {.device = "cpu"}).field;
-      expectClose(readPng(folder.path() / ("out/frame_0000" + std::to_string(frame) + ".png")),
-                  renderField(field, {.width = kSide, .height = kSide, .frame = box}, {.device = "cpu"}));
+      vulkan::requireSamePicture(
+          readPng(folder.path() / ("out/frame_0000" + std::to_string(frame) + ".png")),
+          renderField(field, {.width = kSide, .height = kSide, .frame = box}, {.device = "cpu"}));
     }
   }
 };

@@ -9,10 +9,6 @@
 #include "cpu/cells/closest_triangles.h"
 #include "cpu/cells/triangle.h"
 #include "reference.h"
-#include "twins.h"
-#ifdef RAYMAP_TEST_VULKAN
-#include "vulkan_cell_stages.h"
-#endif
 
 namespace raymap {
 
@@ -62,28 +58,14 @@ TEST(TriangleDistance, IsTheSameForABatch) {
   }
 }
 
-class CellDistanceTwins : public TwinTest {
- protected:
-  static Buffer<float> compute(const CellMesh& mesh, const VoxelGrid& grid) {
-#ifdef RAYMAP_TEST_VULKAN
-    if (!isOnCpu()) return vulkan::CellStages::probe().cellDistance(mesh, grid.cells);
-#endif
-    Progress progress;
-    Buffer<float> squared;
-    computeCellDistance(mesh, grid, progress, squared);
-    return squared;
-  }
-};
-INSTANTIATE_TEST_SUITE_P(Twins, CellDistanceTwins, allTwins(), twinName);
-
-TEST_P(CellDistanceTwins, IsTheDistanceFromTheCentreToTheTrianglesOfTheCell) {
+TEST(CellDistance, IsTheDistanceFromTheCentreToTheTrianglesOfTheCell) {
   const OwnCellMesh mesh = cellSoup(300, {11, 7, 9}, 6);
-  for (const CellLattice& cells :
-       {CellLattice{mesh.dims, glm::dvec3(0.0), 1.0}, CellLattice{{4, 3, 5}, glm::dvec3(-1.0), 4.0}}) {
+  for (const CellLattice& cells : {unitCells(mesh), CellLattice{{4, 3, 5}, glm::dvec3(-1.0), 4.0}}) {
     Progress progress;
     VoxelGrid grid;
     buildVoxelGrid(mesh, cells, SIZE_MAX, progress, grid);
-    const Buffer<float> squared = compute(mesh, grid);
+    Buffer<float> squared;
+    computeCellDistance(mesh, grid, progress, squared);
     ASSERT_EQ(squared.size(), cells.count());
     for (size_t c = 0; c < cells.count(); ++c) {
       double expected = INFINITY;

@@ -9,27 +9,11 @@
 #include "base/parallel.h"
 #include "shapes.h"
 #include "sign_scene.h"
-#include "twins.h"
-#ifdef RAYMAP_TEST_VULKAN
-#include "vulkan_sign_stages.h"
-#endif
 
 namespace raymap {
 
 using namespace cpu;
 namespace {
-
-class CrossingsTwins : public TwinTest {
- protected:
-  static Crossings crossingsOf(const Mesh& mesh, const Grid& grid) {
-#ifdef RAYMAP_TEST_VULKAN
-    if (!isOnCpu())
-      return vulkan::toCrossings(vulkan::SignStages::probe().countCrossings(cellMesh(mesh, grid)), grid.dims);
-#endif
-    return raymap::crossingsOf(mesh, grid);
-  }
-};
-INSTANTIATE_TEST_SUITE_P(Twins, CrossingsTwins, allTwins(), twinName);
 
 Grid unitGrid(int nx, int ny, int nz) {
   return {.dims = {nx, ny, nz}, .origin = glm::dvec3(0.0), .spacing = 1.0};
@@ -80,7 +64,7 @@ TEST(Crossings, ChangeToThoseOfOtherFaces) {
   }
 }
 
-TEST_P(CrossingsTwins, CountsOneFaceOnceWithItsDirection) {
+TEST(Crossings, CountsOneFaceOnceWithItsDirection) {
   // A triangle facing +z, between samples 2 and 3 of the lines along z.
   const Mesh mesh =
       makeMesh(std::vector<glm::dvec3>{{0.5, 0.5, 2.4}, {4.5, 0.5, 2.4}, {0.5, 4.5, 2.4}}, {{0, 1, 2}});
@@ -91,13 +75,11 @@ TEST_P(CrossingsTwins, CountsOneFaceOnceWithItsDirection) {
   ASSERT_EQ(line.size(), 1u);
   EXPECT_EQ(line[0].index, 2);
   EXPECT_EQ(line[0].signedCount, 1);
-  if (isOnCpu()) {
-    EXPECT_EQ(line[0].unsignedCount, 1);
-  }
+  EXPECT_EQ(line[0].unsignedCount, 1);
   EXPECT_TRUE(lineOf(crossings[2], 4 * 6 + 4).empty());
 }
 
-TEST_P(CrossingsTwins, AddsUpWhatLiesBetweenTheSameSamples) {
+TEST(Crossings, AddsUpWhatLiesBetweenTheSameSamples) {
   const Mesh sheet = makeMesh(
       std::vector<glm::dvec3>{
           {-9, -9, 2.4}, {19, -9, 2.4}, {-9, 19, 2.4}, {-9, -9, 2.6}, {-9, 19, 2.6}, {19, -9, 2.6}},
@@ -106,12 +88,10 @@ TEST_P(CrossingsTwins, AddsUpWhatLiesBetweenTheSameSamples) {
   const auto line = lineOf(crossings[2], 0);
   ASSERT_EQ(line.size(), 1u);
   EXPECT_EQ(line[0].signedCount, 1 - 2);
-  if (isOnCpu()) {
-    EXPECT_EQ(line[0].unsignedCount, 3);
-  }
+  EXPECT_EQ(line[0].unsignedCount, 3);
 }
 
-TEST_P(CrossingsTwins, KeepsWhatTheGridDoesNotCover) {
+TEST(Crossings, KeepsWhatTheGridDoesNotCover) {
   const auto crossings = crossingsOf(shapes::box({-50, -50, -50}, {50, 50, 50}), unitGrid(5, 4, 3));
   const auto line = lineOf(crossings[0], 0);
   ASSERT_EQ(line.size(), 2u);
@@ -121,7 +101,7 @@ TEST_P(CrossingsTwins, KeepsWhatTheGridDoesNotCover) {
   EXPECT_EQ(line[1].signedCount, 1);
 }
 
-TEST_P(CrossingsTwins, AreClosedOnLatticeLinesSamplesAndEdges) {
+TEST(Crossings, AreClosedOnLatticeLinesSamplesAndEdges) {
   // Faces pass through samples, edges and diagonals lie along lattice lines, vertices on samples.
   expectNoLeak(crossingsOf(shapes::box({1, 2, 3}, {6, 5, 7}), unitGrid(9, 9, 9)));
   expectNoLeak(crossingsOf(shapes::box({0, 0, 0}, {8, 8, 8}), unitGrid(9, 9, 9)));
@@ -132,7 +112,7 @@ TEST_P(CrossingsTwins, AreClosedOnLatticeLinesSamplesAndEdges) {
       unitGrid(9, 9, 9)));
 }
 
-TEST_P(CrossingsTwins, HugeTrianglesUseWideIntegersAndStillAgree) {
+TEST(Crossings, HugeTrianglesUseWideIntegersAndStillAgree) {
   // Extents of a few cells, of more than 2^10 and of more than 2^20 cells: three arithmetic ranges.
   for (const double size : {3.3, 3000.7, 5e6, 3e9}) {
     const glm::dvec3 low(-0.37 * size, -0.41 * size, -0.53 * size);
@@ -141,7 +121,7 @@ TEST_P(CrossingsTwins, HugeTrianglesUseWideIntegersAndStillAgree) {
   }
 }
 
-TEST_P(CrossingsTwins, ManyScalesAgreeWithEachOther) {
+TEST(Crossings, ManyScalesAgreeWithEachOther) {
   for (const double scale : {1.0, 4.0, 1024.0}) {
     const auto near = crossingsOf(shapes::box({0.5, 0.5, 0.5}, {4.5, 4.5, 4.5}), unitGrid(6, 6, 6));
     Mesh far = shapes::box({0.5, 0.5, 0.5}, {4.5, 4.5, 4.5});
@@ -158,14 +138,14 @@ TEST_P(CrossingsTwins, ManyScalesAgreeWithEachOther) {
   }
 }
 
-TEST_P(CrossingsTwins, DegenerateTrianglesCrossNothing) {
+TEST(Crossings, DegenerateTrianglesCrossNothing) {
   const Mesh mesh = makeMesh(std::vector<glm::dvec3>{{1, 1, 1}, {3, 3, 3}, {5, 5, 5}, {1, 1, 1}, {2, 5, 3}},
                              {{0, 1, 2}, {0, 3, 4}, {4, 4, 4}});
   const auto crossings = crossingsOf(mesh, unitGrid(7, 7, 7));
   for (const auto& axis : crossings) EXPECT_TRUE(axis.entries.empty());
 }
 
-TEST_P(CrossingsTwins, RefusesVerticesTooFarAway) {
+TEST(Crossings, RefusesVerticesTooFarAway) {
   const Mesh mesh = makeMesh(std::vector<glm::dvec3>{{0, 0, 0}, {1e30, 0, 0}, {0, 1, 0}}, {{0, 1, 2}});
   try {
     crossingsOf(mesh, unitGrid(4, 4, 4));
@@ -176,7 +156,7 @@ TEST_P(CrossingsTwins, RefusesVerticesTooFarAway) {
   }
 }
 
-TEST_P(CrossingsTwins, MergesMoreCrossingsThanFitIntoOneRound) {
+TEST(Crossings, MergesMoreCrossingsThanFitIntoOneRound) {
   // 200 sheets over 256 x 256 lines: 13 million crossings, at most 17 distinct ones per line.
   std::vector<glm::dvec3> p;
   std::vector<glm::uvec3> t;

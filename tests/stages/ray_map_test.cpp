@@ -7,10 +7,6 @@
 #include "cpu/sign/ray_sweep.h"
 #include "shapes.h"
 #include "sign_scene.h"
-#include "twins.h"
-#ifdef RAYMAP_TEST_VULKAN
-#include "vulkan_sign_stages.h"
-#endif
 
 namespace raymap {
 
@@ -25,43 +21,26 @@ glm::ivec3 unit(int axis) {
 
 const Grid kSoupGrid{.dims = {11, 13, 17}, .origin = {0.07, 0.02, 0.05}, .spacing = 0.071};
 
-class RayMapTwins : public TwinTest {
- protected:
-  static RayMap rayMapOf(const Mesh& mesh, const Grid& grid) {
-#ifdef RAYMAP_TEST_VULKAN
-    if (!isOnCpu())
-      return vulkan::toRayMap(vulkan::SignStages::probe().compute(cellMesh(mesh, grid)).rays, grid.dims);
-#endif
-    return raymap::rayMapOf(mesh, grid);
-  }
-  static RayMap soupMap(const Grid& grid) {
-    return rayMapOf(shapes::soup(300, 5), grid);
-  }
-};
-INSTANTIATE_TEST_SUITE_P(Twins, RayMapTwins, allTwins(), twinName);
+RayMap soupMap(const Grid& grid) {
+  return rayMapOf(shapes::soup(300, 5), grid);
+}
 
-TEST_P(RayMapTwins, AConvexBodyGivesOneInsideAndNoneOutside) {
+TEST(RayMap, AConvexBodyGivesOneInsideAndNoneOutside) {
   const Grid grid{.dims = {8, 8, 8}, .origin = glm::dvec3(0.0), .spacing = 1.0};
   const RayMap map = rayMapOf(shapes::box({1.5, 1.5, 1.5}, {5.5, 5.5, 5.5}), grid);
   for (int axis = 0; axis < 3; ++axis) {
     EXPECT_EQ(map.ray(axis, {3, 3, 3}), 1);
-    if (isOnCpu()) {
-      EXPECT_EQ(map.unsignedRay(axis, {3, 3, 3}), 1);
-    }
+    EXPECT_EQ(map.unsignedRay(axis, {3, 3, 3}), 1);
     EXPECT_EQ(map.ray(axis, {1, 1, 1}), 0);
     const glm::ivec3 before = glm::ivec3(3) - 3 * unit(axis), after = glm::ivec3(3) + 3 * unit(axis);
     EXPECT_EQ(map.ray(axis, before), 0);
-    if (isOnCpu()) {
-      EXPECT_EQ(map.unsignedRay(axis, before), 2);
-    }
+    EXPECT_EQ(map.unsignedRay(axis, before), 2);
     EXPECT_EQ(map.ray(axis, after), 0);
-    if (isOnCpu()) {
-      EXPECT_EQ(map.unsignedRay(axis, after), 0);
-    }
+    EXPECT_EQ(map.unsignedRay(axis, after), 0);
   }
 }
 
-TEST_P(RayMapTwins, SegmentsAreAntisymmetricAndAddUp) {  // Eq. 2 and 6
+TEST(RayMap, SegmentsAreAntisymmetricAndAddUp) {  // Eq. 2 and 6
   const RayMap map = soupMap(kSoupGrid);
   for (int axis = 0; axis < 3; ++axis)
     for (int a = -2; a < 19; ++a)
@@ -76,7 +55,7 @@ TEST_P(RayMapTwins, SegmentsAreAntisymmetricAndAddUp) {  // Eq. 2 and 6
       }
 }
 
-TEST_P(RayMapTwins, OutsideTheGrid) {  // Eq. 7
+TEST(RayMap, OutsideTheGrid) {  // Eq. 7
   const RayMap map = soupMap(kSoupGrid);
   for (int axis = 0; axis < 3; ++axis) {
     const glm::ivec3 inside(5, 6, 7), e = unit(axis);
@@ -117,17 +96,6 @@ TEST(RayMap, SweepStreamsTheSameValues) {
     }
   });
   EXPECT_EQ(rows.load(), size_t(kSoupGrid.dims.y * kSoupGrid.dims.z));
-}
-
-TEST_P(RayMapTwins, ClosedSheetsCountBothWays) {
-  const Grid grid{.dims = {9, 9, 9}, .origin = glm::dvec3(0.0), .spacing = 1.0};
-  const RayMap map = rayMapOf(shapes::joined(shapes::box({1.5, 1.5, 1.5}, {6.5, 6.5, 6.5}),
-                                             shapes::box({2.5, 2.5, 2.5}, {5.5, 5.5, 5.5})),
-                              grid);
-  for (int axis = 0; axis < 3; ++axis) {
-    EXPECT_EQ(map.ray(axis, {4, 4, 4}), 2);
-    EXPECT_EQ(map.ray(axis, {2, 2, 2}), 1);
-  }
 }
 
 }  // namespace

@@ -8,10 +8,6 @@
 
 #include "cells.h"
 #include "reference.h"
-#include "twins.h"
-#ifdef RAYMAP_TEST_VULKAN
-#include "vulkan_cell_stages.h"
-#endif
 
 namespace raymap {
 
@@ -26,13 +22,10 @@ struct Result {
   Buffer<uint32_t> triangle;
 };
 
-Result refineOnCpu(const CellMesh& mesh, int reach, int threads = 0) {
+Result refine(const CellMesh& mesh, int reach) {
   Progress progress;
-  Result result;
-  withThreads(threads, [&] {
-    result.levels = nearestCells(mesh);
-    refineDistance(mesh, result.levels, reach, progress, result.distance, &result.triangle);
-  });
+  Result result{.levels = nearestCells(mesh), .distance = {}, .triangle = {}};
+  refineDistance(mesh, result.levels, reach, progress, result.distance, &result.triangle);
   return result;
 }
 
@@ -64,146 +57,70 @@ double errorBound(const std::vector<CellLevel>& levels) {
   return levels.size() == 1 ? std::numbers::sqrt3 : 2.0 * std::numbers::sqrt3 * levels[1].grid.cells.size;
 }
 
-class RefineTwins : public TwinTest {
- protected:
-  static Result refine(const CellMesh& mesh, int reach) {
-#ifdef RAYMAP_TEST_VULKAN
-    if (!isOnCpu()) {
-      vulkan::RefineResult result = vulkan::CellStages::probe().refine(mesh, reach);
-      return {std::move(result.levels), std::move(result.distance), std::move(result.triangle)};
-    }
-#endif
-    return refineOnCpu(mesh, reach);
-  }
-
-  static bool isEveryAccessChecked() {
-#ifdef RAYMAP_TEST_VULKAN
-    return !isOnCpu() && vulkan::validationFromEnvironment() == vulkan::Validation::Gpu;
-#else
-    return false;
-#endif
-  }
-  /// A software rasterizer takes too long for more.
-  static int fine(int resolution) {
-    return isOnCpu() ? resolution : resolution / 2;
-  }
-
-  static void expectAsDefined(const OwnCellMesh& mesh) {
-    for (const int reach : {0, 1}) {
-      const Result result = refine(mesh, reach);
-      for (size_t s = 0; s < result.distance.size(); ++s) {
-        const double expected = definedDistance(mesh, result.levels[0], s, reach);
-        ASSERT_NEAR(result.distance[s], expected, kRounding) << "sample " << s << " reach " << reach;
-        const glm::dvec3 p(CellLattice{mesh.dims}.cell(s));
-        ASSERT_NEAR(triangleDistance(mesh, result.triangle[s], p), expected, kRounding) << s;
-      }
+void expectAsDefined(const OwnCellMesh& mesh) {
+  for (const int reach : {0, 1}) {
+    const Result result = refine(mesh, reach);
+    for (size_t s = 0; s < result.distance.size(); ++s) {
+      const double expected = definedDistance(mesh, result.levels[0], s, reach);
+      ASSERT_NEAR(result.distance[s], expected, kRounding) << "sample " << s << " reach " << reach;
+      const glm::dvec3 p(CellLattice{mesh.dims}.cell(s));
+      ASSERT_NEAR(triangleDistance(mesh, result.triangle[s], p), expected, kRounding) << s;
     }
   }
+}
 
-  static void expectWithinBounds(const OwnCellMesh& mesh) {
-    if (isEveryAccessChecked())
-      GTEST_SKIP() << "lavapipe ends loops after 65,535 turns, those of the checks too";
-    const Mesh truth = mesh.asMesh();
-    const Result cell = refine(mesh, 0), neighbours = refine(mesh, 1);
-    double cellSum = 0.0, neighbourSum = 0.0;
-    for (size_t s = 0; s < cell.distance.size(); s += 7) {
-      const double expected = reference::distance(truth, glm::dvec3(CellLattice{mesh.dims}.cell(s)));
-      const double cellError = cell.distance[s] - expected;
-      const double neighbourError = neighbours.distance[s] - expected;
-      ASSERT_GE(neighbourError, -kRounding * (1.0 + expected)) << "closer than any triangle";
-      ASSERT_LE(neighbourError, cellError + kRounding * (1.0 + expected)) << s;
-      ASSERT_LE(cellError, errorBound(cell.levels) + kRounding) << s;
-      cellSum += cellError;
-      neighbourSum += neighbourError;
-    }
-    EXPECT_LE(neighbourSum, cellSum);
+void expectWithinBounds(const OwnCellMesh& mesh) {
+  const Mesh truth = mesh.asMesh();
+  const Result cell = refine(mesh, 0), neighbours = refine(mesh, 1);
+  double cellSum = 0.0, neighbourSum = 0.0;
+  for (size_t s = 0; s < cell.distance.size(); s += 7) {
+    const double expected = reference::distance(truth, glm::dvec3(CellLattice{mesh.dims}.cell(s)));
+    const double cellError = cell.distance[s] - expected;
+    const double neighbourError = neighbours.distance[s] - expected;
+    ASSERT_GE(neighbourError, -kRounding * (1.0 + expected)) << "closer than any triangle";
+    ASSERT_LE(neighbourError, cellError + kRounding * (1.0 + expected)) << s;
+    ASSERT_LE(cellError, errorBound(cell.levels) + kRounding) << s;
+    cellSum += cellError;
+    neighbourSum += neighbourError;
   }
-};
-INSTANTIATE_TEST_SUITE_P(Twins, RefineTwins, allTwins(), twinName);
-
-OwnCellMesh onGrid(const Mesh& mesh, int resolution) {
-  return {mesh, fitGrid(mesh, {.resolution = resolution})};
-}
-OwnCellMesh inBox(const Mesh& mesh, int resolution, const Box& box) {
-  return {mesh, fitGrid(mesh, {.resolution = resolution, .box = box})};
+  EXPECT_LE(neighbourSum, cellSum);
 }
 
-TEST_P(RefineTwins, IsTheDistanceToTheTrianglesOfTheNearestCell) {
-  expectAsDefined(onGrid(shapes::sphere(1.0, 3), 14));
-  expectAsDefined(onGrid(shapes::soup(60, 5), 12));
-  expectAsDefined(onGrid(shapes::box({0, 0, 0}, {3, 1, 2}), 13));
+TEST(Refine, IsTheDistanceToTheTrianglesOfTheNearestCell) {
+  expectAsDefined(onGrid(shapes::sphere(1.0, 3), {.resolution = 14}));
+  expectAsDefined(onGrid(shapes::soup(60, 5), {.resolution = 12}));
+  expectAsDefined(onGrid(shapes::box({0, 0, 0}, {3, 1, 2}), {.resolution = 13}));
 }
 
-TEST_P(RefineTwins, SearchesCrowdedCellsInTheirTree) {
+TEST(Refine, SearchesCrowdedCellsInTheirTree) {
   const Mesh tiny = shapes::joined(shapes::sphere(0.06, 3, {0.4, 0.5, 0.5}), shapes::soup(3, 1));
-  expectAsDefined(onGrid(tiny, 10));
+  expectAsDefined(onGrid(tiny, {.resolution = 10}));
 }
 
-TEST_P(RefineTwins, ErrsByNoMoreThanTheTheorySays) {
-  expectWithinBounds(onGrid(shapes::sphere(1.0, 4), fine(32)));
-  expectWithinBounds(onGrid(shapes::torus(1.0, 0.3, 60, 30), fine(40)));
-  expectWithinBounds(onGrid(shapes::soup(100, 2), fine(24)));
+TEST(Refine, ErrsByNoMoreThanTheTheorySays) {
+  expectWithinBounds(onGrid(shapes::sphere(1.0, 4), {.resolution = 32}));
+  expectWithinBounds(onGrid(shapes::torus(1.0, 0.3, 60, 30), {.resolution = 40}));
+  expectWithinBounds(onGrid(shapes::soup(100, 2), {.resolution = 24}));
 }
 
-TEST_P(RefineTwins, SeesTheMeshThatABoxCutsOff) {
-  const Mesh torus = shapes::torus(1.0, 0.3, 60, 30);
-  expectWithinBounds(inBox(torus, fine(24), {glm::dvec3(-0.4, -0.5, -0.3), glm::dvec3(0.9, 0.3, 0.5)}));
+TEST(Refine, SeesTheMeshOutsideTheBox) {
+  const Mesh torus = shapes::torus(1.0, 0.3, 60, 30), sphere = shapes::sphere(1.0, 3);
+  const Box cutting{glm::dvec3(-0.4, -0.5, -0.3), glm::dvec3(0.9, 0.3, 0.5)};
+  expectWithinBounds(onGrid(torus, {.resolution = 24, .box = cutting}));
+  for (const Box& box :
+       {Box{glm::dvec3(1.5, 0.0, 0.0), glm::dvec3(2.5, 1.0, 1.0)},
+        Box{glm::dvec3(90.0, 0.0, 0.0), glm::dvec3(91.0, 1.0, 1.0)}, Box{glm::dvec3(-0.1), glm::dvec3(0.1)}})
+    expectWithinBounds(onGrid(sphere, {.resolution = 16, .box = box}));
 }
 
-TEST_P(RefineTwins, SeesTheMeshThatABoxDoesNotHold) {
-  const Mesh sphere = shapes::sphere(1.0, 3);
-  expectWithinBounds(inBox(sphere, fine(16), {glm::dvec3(1.5, 0.0, 0.0), glm::dvec3(2.5, 1.0, 1.0)}));
-  expectWithinBounds(inBox(sphere, fine(16), {glm::dvec3(90.0, 0.0, 0.0), glm::dvec3(91.0, 1.0, 1.0)}));
-  expectWithinBounds(inBox(sphere, fine(16), {glm::dvec3(-0.1), glm::dvec3(0.1)}));
-}
-
-TEST_P(RefineTwins, GivesTiesToTheLowestTriangle) {
+TEST(Refine, GivesTiesToTheLowestTriangle) {
   Mesh twice = shapes::joined(shapes::sphere(1.0, 2), shapes::sphere(1.0, 2));
-  const Result result = refine(onGrid(twice, fine(16)), 1);
+  const Result result = refine(onGrid(twice, {.resolution = 16}), 1);
   for (const uint32_t t : result.triangle) ASSERT_LT(t, twice.triangles.size() / 2);
 }
 
-TEST(Refine, IsTheSameForAnyNumberOfThreads) {
-  const OwnCellMesh mesh = inBox(shapes::torus(1.0, 0.3, 100, 50), 32, {glm::dvec3(-1.0), glm::dvec3(1.5)});
-  const Result one = refineOnCpu(mesh, 1, 1);
-  for (const int threads : {2, 8}) {
-    const Result many = refineOnCpu(mesh, 1, threads);
-    EXPECT_TRUE(std::ranges::equal(one.distance, many.distance));
-    EXPECT_TRUE(std::ranges::equal(one.triangle, many.triangle));
-  }
-}
-
-TEST_P(RefineTwins, IsTheSameForAnyOrderOfAxes) {
-  const OwnCellMesh mesh = onGrid(shapes::soup(80, 9), fine(20));
-  OwnCellMesh turned = onGrid(shapes::soup(80, 9), fine(20));
-  for (glm::vec3& v : turned.vertices) v = {v.z, v.x, v.y};
-  turned.dims = {mesh.dims.z, mesh.dims.x, mesh.dims.y};
-  const Result here = refine(mesh, 1), there = refine(turned, 1);
-  const CellLattice cells{mesh.dims}, turnedCells{turned.dims};
-  for (size_t s = 0; s < cells.count(); ++s) {
-    const glm::ivec3 c = cells.cell(s);
-    ASSERT_NEAR(here.distance[s], there.distance[turnedCells.index({c.z, c.x, c.y})], kRounding);
-  }
-}
-
-TEST_P(RefineTwins, MovesByWholeSamplesWithTheMesh) {
-  OwnCellMesh mesh = onGrid(shapes::sphere(1.0, 3), 20);
-  for (glm::vec3& v : mesh.vertices) v = glm::round(v * 1024.0f) / 1024.0f;  // Moving is then exact.
-  mesh.dims = {40, 40, 40};
-  const Result here = refine(mesh, 0);
-  const glm::ivec3 step(3, 9, 14);
-  for (glm::vec3& v : mesh.vertices) v += glm::vec3(step);
-  const Result there = refine(mesh, 0);
-  const CellLattice cells{mesh.dims};
-  for (size_t s = 0; s < cells.count(); ++s) {
-    const glm::ivec3 moved = cells.cell(s) + step;
-    if (glm::any(glm::greaterThanEqual(moved, mesh.dims))) continue;
-    ASSERT_NEAR(here.distance[s], there.distance[cells.index(moved)], kRounding);
-  }
-}
-
 TEST(Refine, StopsWhenCancelled) {
-  const OwnCellMesh mesh = onGrid(shapes::sphere(1.0, 2), 16);
+  const OwnCellMesh mesh = onGrid(shapes::sphere(1.0, 2), {.resolution = 16});
   const std::vector<CellLevel> levels = nearestCells(mesh);
   Progress progress([](std::string_view, double) { return false; });
   Buffer<float> distance;

@@ -8,10 +8,6 @@
 
 #include "cells.h"
 #include "reference.h"
-#include "twins.h"
-#ifdef RAYMAP_TEST_VULKAN
-#include "vulkan_cell_stages.h"
-#endif
 
 namespace raymap {
 
@@ -20,30 +16,15 @@ namespace {
 
 constexpr size_t kNoLimit = SIZE_MAX;
 
-CellLattice unitCells(const CellMesh& mesh) {
-  return {mesh.dims, glm::dvec3(0.0), 1.0};
-}
-
-VoxelGrid buildOnCpu(const CellMesh& mesh, const CellLattice& cells, int threads = 0) {
+VoxelGrid build(const CellMesh& mesh, const CellLattice& cells, int threads = 0) {
   Progress progress;
   VoxelGrid grid;
   withThreads(threads, [&] { buildVoxelGrid(mesh, cells, kNoLimit, progress, grid); });
   return grid;
 }
-
-class VoxelGridTwins : public TwinTest {
- protected:
-  static VoxelGrid build(const CellMesh& mesh, const CellLattice& cells) {
-#ifdef RAYMAP_TEST_VULKAN
-    if (!isOnCpu()) return vulkan::CellStages::probe().voxelGrid(mesh, cells);
-#endif
-    return buildOnCpu(mesh, cells);
-  }
-  static VoxelGrid build(const CellMesh& mesh) {
-    return build(mesh, unitCells(mesh));
-  }
-};
-INSTANTIATE_TEST_SUITE_P(Twins, VoxelGridTwins, allTwins(), twinName);
+VoxelGrid build(const CellMesh& mesh) {
+  return build(mesh, unitCells(mesh));
+}
 
 std::vector<uint32_t> list(const VoxelGrid& grid, glm::ivec3 cell) {
   const auto triangles = grid.list(grid.cells.index(cell));
@@ -86,32 +67,24 @@ void expectSameAsBruteForce(const CellMesh& mesh, const VoxelGrid& grid) {
   EXPECT_EQ(touching, grid.triangles.size());
 }
 
-TEST_P(VoxelGridTwins, HoldsTheTrianglesThatABoxTestFinds) {
+TEST(VoxelGrid, HoldsTheTrianglesThatABoxTestFinds) {
   for (const glm::ivec3 dims : {glm::ivec3(13, 9, 11), glm::ivec3(1, 17, 5), glm::ivec3(20, 1, 1)}) {
     const OwnCellMesh mesh = cellSoup(400, dims, 7);
     expectSameAsBruteForce(mesh, build(mesh));
   }
 }
 
-TEST_P(VoxelGridTwins, HoldsSliversSegmentsAndPoints) {
-  std::mt19937 random(3);
-  std::uniform_real_distribution<float> at(-2.0f, 12.0f);
-  OwnCellMesh mesh = cellSoup(300, {10, 10, 10}, 8);
-  for (size_t t = 0; t < 300; ++t) {
-    const glm::vec3 a = mesh.corner(t, 0), far(at(random), at(random), at(random));
-    glm::vec3* v = mesh.vertices.data() + 3 * t;
-    v[1] = t % 3 == 0 ? a : far;
-    v[2] = t % 3 == 1 ? a + 0.25f * (far - a) : t % 3 == 2 ? 0.5f * (a + far) + 1e-4f : a;
-  }
+TEST(VoxelGrid, HoldsSliversSegmentsAndPoints) {
+  const OwnCellMesh mesh = sliversSegmentsAndPoints();
   expectSameAsBruteForce(mesh, build(mesh));
 }
 
-TEST_P(VoxelGridTwins, WorksOnCoarserCells) {
+TEST(VoxelGrid, WorksOnCoarserCells) {
   const OwnCellMesh mesh = cellSoup(200, {16, 16, 16}, 9);
   expectSameAsBruteForce(mesh, build(mesh, CellLattice{{9, 7, 5}, {-3.25, 0.5, 1.0}, 2.0}));
 }
 
-TEST_P(VoxelGridTwins, GivesATriangleOnAFaceToBothCells) {
+TEST(VoxelGrid, GivesATriangleOnAFaceToBothCells) {
   OwnCellMesh mesh(shapes::box({0, 0, 0}, {1, 1, 1}), Grid{{4, 4, 4}, glm::dvec3(0.0), 1.0});
   mesh.own = {{0, 1, 2}};
   mesh.triangles = mesh.own;
@@ -126,41 +99,16 @@ TEST_P(VoxelGridTwins, GivesATriangleOnAFaceToBothCells) {
 
 TEST(VoxelGrid, IsTheSameForAnyNumberOfThreads) {
   const OwnCellMesh mesh = cellSoup(20000, {70, 60, 55}, 1);  // Several blocks of the prefix sum.
-  const VoxelGrid one = buildOnCpu(mesh, unitCells(mesh), 1);
+  const VoxelGrid one = build(mesh, unitCells(mesh), 1);
   EXPECT_EQ(one.starts[one.cells.count()], one.triangles.size());
   EXPECT_TRUE(std::ranges::is_sorted(one.starts));
   for (size_t c = 0; c < one.cells.count(); ++c)
     ASSERT_TRUE(std::ranges::adjacent_find(one.list(c), std::greater_equal<>()) == one.list(c).end());
   for (const int threads : {2, 8}) {
-    const VoxelGrid many = buildOnCpu(mesh, unitCells(mesh), threads);
+    const VoxelGrid many = build(mesh, unitCells(mesh), threads);
     EXPECT_TRUE(std::ranges::equal(one.starts, many.starts));
     EXPECT_TRUE(std::ranges::equal(one.triangles, many.triangles));
   }
-}
-
-TEST_P(VoxelGridTwins, MovesByWholeCellsWithTheMesh) {
-  OwnCellMesh mesh = cellSoup(500, {12, 12, 12}, 2);
-  for (glm::vec3& v : mesh.vertices) v = glm::round(v * 1024.0f) / 1024.0f;  // Moving is then exact.
-  mesh.dims = {40, 40, 40};
-  const glm::ivec3 step(5, 9, 16);
-  OwnCellMesh moved = cellSoup(500, {12, 12, 12}, 2);
-  moved.dims = mesh.dims;
-  for (size_t v = 0; v < mesh.vertices.size(); ++v) moved.vertices[v] = mesh.vertices[v] + glm::vec3(step);
-  const VoxelGrid here = build(mesh), there = build(moved);
-  for (int k = 10; k < 24; ++k)  // Away from the border, which cuts one of both.
-    for (int j = 10; j < 31; ++j)
-      for (int i = 10; i < 35; ++i) ASSERT_EQ(list(here, {i, j, k}), list(there, glm::ivec3(i, j, k) + step));
-}
-
-TEST_P(VoxelGridTwins, IsTheSameForAnyOrderOfAxes) {
-  const OwnCellMesh mesh = cellSoup(500, {9, 12, 15}, 4);
-  OwnCellMesh turned = cellSoup(500, {9, 12, 15}, 4);
-  for (glm::vec3& v : turned.vertices) v = {v.z, v.x, v.y};
-  turned.dims = {15, 9, 12};
-  const VoxelGrid here = build(mesh), there = build(turned);
-  for (int k = 0; k < 15; ++k)
-    for (int j = 0; j < 12; ++j)
-      for (int i = 0; i < 9; ++i) ASSERT_EQ(list(here, {i, j, k}), list(there, {k, i, j}));
 }
 
 TEST(VoxelGrid, RefusesListsBeyondTheLimit) {
@@ -189,7 +137,7 @@ TEST(CoverMesh, NeedsOnlyTheSamplesCellsInsideTheBox) {
   EXPECT_EQ(lattices[0].dims, glm::ivec3(9, 9, 9));
 }
 
-TEST_P(VoxelGridTwins, HoldsEveryTriangleWhereverTheBoxLies) {
+TEST(VoxelGrid, HoldsEveryTriangleWhereverTheBoxLies) {
   for (const double far : {2.0, 100.0, 1e7}) {
     const OwnCellMesh mesh(shapes::box({1, 1, 1}, {7 + far, 7 * far, 7}),
                            Grid{{40, 9, 9}, glm::dvec3(0.0), 1.0});

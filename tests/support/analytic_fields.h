@@ -41,4 +41,9 @@ inline double box(const glm::dvec3& p, const glm::dvec3& half) {
   return glm::length(glm::max(q, 0.0)) + std::min(std::max({q.x, q.y, q.z}), 0.0);
 }
 
+/// A box with one round corner, which tells its sides apart.
+inline double notchedBox(const glm::dvec3& p) {
+  return std::max(box(p, {0.7, 0.5, 0.6}), -sphere(p - glm::dvec3(0.4, 0.5, 0.6), 0.45));
+}
+
 }  // namespace raymap::analytic

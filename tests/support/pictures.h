@@ -1,12 +1,11 @@
 #pragma once
 
-#include <gtest/gtest.h>
-#include <raymap/render.h>
+#include <raymap/picture.h>
 
 #include <algorithm>
-#include <array>
 #include <cstdlib>
 #include <glm/glm.hpp>
+#include <vector>
 
 namespace raymap {
 
@@ -28,23 +27,12 @@ inline double meanDifference(const Picture& a, const Picture& b) {
   return sum / double(a.rgb.size());
 }
 
-/// Checks that pictures of a device and of the CPU are as close as render.h promises.
-inline void expectClose(const Picture& ours, const Picture& theirs) {
-  ASSERT_EQ(ours.rgb.size(), theirs.rgb.size());
-  const size_t pixels = ours.rgb.size() / 3;
-  std::array<double, 3> sum{};
-  size_t off = 0;
-  for (size_t p = 0; p < pixels; ++p) {
-    int worst = 0;
-    for (size_t c = 0; c < 3; ++c) {
-      const int difference = std::abs(int(ours.rgb[3 * p + c]) - int(theirs.rgb[3 * p + c]));
-      sum[c] += difference;
-      worst = std::max(worst, difference);
-    }
-    off += worst > 8 ? 1 : 0;
-  }
-  for (const double s : sum) EXPECT_LE(s / double(pixels), 0.1);
-  EXPECT_LE(double(off) / double(pixels), 0.002);
+/// Returns the picture of pixels that a device drew.
+inline Picture pictureOf(const std::vector<uint32_t>& pixels, int width, int height) {
+  Picture picture{width, height, {}};
+  for (const uint32_t pixel : pixels)
+    for (const int shift : {0, 8, 16}) picture.rgb.push_back(uint8_t(pixel >> shift));
+  return picture;
 }
 
 }  // namespace raymap

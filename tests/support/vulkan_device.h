@@ -26,12 +26,21 @@ inline bool isValidated() {
 /// layer and on any damaged guard. It is skipped where there is no driver, but fails there if
 /// RAYMAP_REQUIRE_VULKAN=1.
 class VulkanTest : public ::testing::Test {
+ public:
+  /// Returns a probe or a stage that all tests share.
+  template <class Kept>
+  static Kept& kept() {
+    shared();  // The device is made before what is kept on it, so it is destroyed after that.
+    static Kept kept(device());
+    return kept;
+  }
+
  protected:
   /// Returns the device that all tests of a program share. RAYMAP_VULKAN_DEVICE=K selects one.
   static Device& device() { return *shared().device; }
 
-  template <class T>
-  static DeviceBuffer upload(const std::vector<T>& values, const std::string& name = "test") {
+  template <std::ranges::contiguous_range Values>
+  static DeviceBuffer upload(const Values& values, const std::string& name = "test") {
     return Probe(device()).upload(values, name);
   }
   template <class T>

@@ -7,19 +7,13 @@
 
 #include <cstring>
 
-#include "shapes.h"
-#include "vulkan/runtime/backend.h"
+#include "broken_meshes.h"
+#include "vulkan/self_test/compare.h"
 #include "vulkan_device.h"
 
 #include <raymap/vulkan.h>
 
 namespace raymap::vulkan {
-
-inline Mesh holedSphere(int levels = 3) {
-  Mesh mesh = shapes::sphere(1.0, levels);
-  std::erase_if(mesh.triangles, [&](const glm::uvec3& t) { return mesh.position(t.x).z > 0.6; });
-  return mesh;
-}
 
 inline Room roomFor(const Mesh& mesh, const Grid& grid, const FieldOptions& options) {
   return {.vertices = static_cast<uint32_t>(mesh.vertices.size()),
@@ -70,15 +64,7 @@ class VulkanGenerator : public VulkanTest {
   /// Makes the field by the backend whose results the host reads back.
   static Field hostField(const Mesh& mesh, const Grid& grid, FieldOptions options) {
     options.orientation = Orientation::Keep;  // As frames do.
-    shared();  // The device is made before the backend, so it is destroyed after it.
-    static Backend backend(device());
-    const Model model(mesh);
-    Field field;
-    Progress progress;
-    backend.setJob({model, grid, options, progress, field});
-    runPipeline(backend);
-    backend.readResults();
-    return field;
+    return makeField(kept<Backend>(), mesh, grid, options).field;
   }
 
   /// Kept from test to test, because making its kernels takes longer than most tests.

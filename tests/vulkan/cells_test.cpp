@@ -2,10 +2,11 @@
 
 #include <raymap/raymap.h>
 
+#include "cells.h"
 #include "cpu/cells/raster_distance.h"
 #include "mesh_folder.h"
 #include "vulkan/self_test/compare.h"
-#include "vulkan_cell_stages.h"
+#include "vulkan_device.h"
 
 namespace raymap::vulkan {
 namespace {
@@ -13,12 +14,12 @@ namespace {
 class VulkanCells : public VulkanTest {};
 
 void expectAsOnTheCpu(const CellMesh& mesh) {
-  for (const int reach : {0, 1}) compareRefine(CellStages::probe(), mesh, reach);
-  compareRasterDistance(CellStages::probe(), mesh);
+  for (const int reach : {0, 1}) compareRefine(VulkanTest::kept<CellProbe>(), mesh, reach);
+  compareRasterDistance(VulkanTest::kept<CellProbe>(), mesh);
 }
 
 void expectAsOnTheCpu(const Mesh& mesh, const GridOptions& options) {
-  expectAsOnTheCpu(OwnCellMesh(mesh, fitGrid(mesh, options)));
+  expectAsOnTheCpu(onGrid(mesh, options));
 }
 
 TEST_F(VulkanCells, MatchTheCpu) {
@@ -29,10 +30,17 @@ TEST_F(VulkanCells, MatchTheCpu) {
 
 TEST_F(VulkanCells, GiveTheSameBitsEachTime) {
   const Mesh mesh = shapes::joined(shapes::sphere(0.05, 3, {0.4, 0.5, 0.5}), shapes::soup(50, 1));
-  const OwnCellMesh cells(mesh, fitGrid(mesh, {.resolution = 14}));
-  const RefineResult one = CellStages::probe().refine(cells, 1), two = CellStages::probe().refine(cells, 1);
+  const OwnCellMesh cells = onGrid(mesh, {.resolution = 14});
+  const RefineResult one = kept<CellProbe>().refine(cells, 1), two = kept<CellProbe>().refine(cells, 1);
   EXPECT_TRUE(std::ranges::equal(one.distance, two.distance));
   EXPECT_TRUE(std::ranges::equal(one.triangle, two.triangle));
+}
+
+TEST_F(VulkanCells, GiveTiesToTheLowestTriangle) {
+  const Mesh twice = shapes::joined(shapes::sphere(1.0, 2), shapes::sphere(1.0, 2));
+  const OwnCellMesh cells = onGrid(twice, {.resolution = 8});
+  for (const uint32_t t : kept<CellProbe>().refine(cells, 1).triangle)
+    ASSERT_LT(t, twice.triangles.size() / 2);
 }
 
 TEST_F(VulkanCells, MatchTheCpuInCrowdedCells) {
@@ -61,7 +69,7 @@ TEST_F(VulkanCells, GrowTheirListsForLargeTriangles) {
                                 {4, -900, 0},    {4, 900, -900}, {5, 900, 900}};
   std::copy_n(corners, 6, mesh.vertices.data());
   Progress progress;
-  const std::vector<cpu::CellLevel> levels = CellStages::probe().rasterize(mesh);
+  const std::vector<cpu::CellLevel> levels = kept<CellProbe>().rasterize(mesh);
   for (const cpu::CellLevel& level : levels) {
     Buffer<float> squared;
     rasterizeDistance(mesh, level.grid.cells, progress, squared);

@@ -6,6 +6,7 @@
 #include "cpu/sign/close_holes.h"
 #include "shapes.h"
 #include "sign_scene.h"
+#include "vulkan/self_test/compare.h"
 #include "vulkan_device.h"
 
 namespace raymap::vulkan {
@@ -13,44 +14,6 @@ namespace {
 
 class VulkanCloseHoles : public VulkanTest {
  protected:
-  struct Uploaded {
-    DeviceBuffer vertices, triangles;
-    DeviceMesh mesh;
-  };
-  static Uploaded uploadMesh(const CellMesh& mesh) {
-    Uploaded uploaded{
-        .vertices = upload(std::vector<glm::vec3>(mesh.vertices.begin(), mesh.vertices.end()), "vertices"),
-        .triangles =
-            upload(std::vector<glm::uvec3>(mesh.triangles.begin(), mesh.triangles.end()), "triangles"),
-        .mesh = {}};
-    uploaded.mesh = {uploaded.vertices.address(), uploaded.triangles.address(),
-                     static_cast<uint32_t>(mesh.vertices.size()),
-                     static_cast<uint32_t>(mesh.triangles.size())};
-    return uploaded;
-  }
-
-  /// Kept from one test to the next.
-  static CloseHolesStage& stage() {
-    shared();  // The device is made before the stage, so it is destroyed after it.
-    static CloseHolesStage stage(device());
-    return stage;
-  }
-
-  static std::vector<MissingEdge> search(const CellMesh& mesh, const Buffer<float>& winding,
-                                         double threshold) {
-    const Uploaded uploaded = uploadMesh(mesh);
-    const DeviceBuffer numbers = upload(std::vector<float>(winding.begin(), winding.end()), "winding");
-    static CrossingsStage crossings(device());
-    crossings.reserve(mesh.dims, mesh.triangles.size(), true);
-    do
-      run([&](Commands& commands) {
-        crossings.record(commands, uploaded.mesh);
-        stage().recordSearch(commands, mesh.dims, crossings.crossed(), numbers.address(), threshold);
-      });
-    while (stage().growIfFull());
-    return stage().edges();
-  }
-
   Progress progress_;
 };
 
@@ -74,20 +37,9 @@ TEST_F(VulkanCloseHoles, FindsTheEdgesThatTheCpuFinds) {
     for (const glm::ivec3& dims : {glm::ivec3(24, 23, 12), glm::ivec3(9, 1, 30), glm::ivec3(1)}) {
       Grid grid = fitGrid(mesh, {.resolution = 24});
       grid.dims = dims;
-      const CellMesh cells = cellMesh(mesh, grid);
       Buffer<float> winding(grid.sampleCount());
       for (float& w : winding) w = anything(random);
-      const std::vector<MissingEdge> expected =
-          findMissingEdges(rayMapOf(mesh, grid), winding, 0.6, progress_);
-      const std::vector<MissingEdge> found = search(cells, winding, 0.6);
-      ASSERT_EQ(found.size(), expected.size());
-      for (size_t e = 0; e < found.size(); ++e) {
-        ASSERT_EQ(found[e].first, expected[e].first) << e;
-        ASSERT_EQ(found[e].axis, expected[e].axis) << e;
-        ASSERT_EQ(found[e].rimCubes, expected[e].rimCubes) << e;
-        ASSERT_EQ(found[e].winding[0], expected[e].winding[0]) << e;
-        ASSERT_EQ(found[e].winding[1], expected[e].winding[1]) << e;
-      }
+      compareMissingEdges(kept<Probe>(), kept<CloseHolesStage>(), cellMesh(mesh, grid), winding);
     }
 }
 
@@ -96,18 +48,15 @@ TEST_F(VulkanCloseHoles, ComputesTheWindingNumberAtAnyPoint) {
   std::uniform_real_distribution<float> along(0.0f, 15.0f);
   for (const Mesh& mesh : {shapes::soup(1, 3), shapes::soup(9, 5), tornTorus()}) {
     const Grid grid = fitGrid(mesh, {.resolution = 16});
-    const Uploaded uploaded = uploadMesh(cellMesh(mesh, grid));
     std::vector<glm::vec3> points(150);
     for (glm::vec3& p : points) p = {along(random), along(random), along(random)};
-    SurfaceTreeStage tree(device());
     WindingDipolesStage dipoles(device());
-    tree.reserve(uploaded.mesh.triangleCount);
-    dipoles.reserve(uploaded.mesh.triangleCount, grid.dims);
-    run([&](Commands& commands) {
-      tree.record(commands, uploaded.mesh, grid.dims);
-      stage().recordNumbersAt(commands, dipoles, tree, points, 0.5);
-    });
-    const std::vector<float> numbers = stage().numbers();
+    dipoles.reserve(uint32_t(mesh.triangles.size()), grid.dims);
+    kept<SurfaceProbe>().runWithTree(
+        cellMesh(mesh, grid), [&](Commands& commands, const SurfaceTreeStage& tree) {
+          kept<CloseHolesStage>().recordNumbersAt(commands, dipoles, tree, points, 0.5);
+        });
+    const std::vector<float> numbers = kept<CloseHolesStage>().numbers();
     ASSERT_EQ(numbers.size(), points.size());
     for (size_t p = 0; p < points.size(); ++p)
       ASSERT_NEAR(numbers[p], reference::windingNumber(mesh, grid.position(glm::dvec3(points[p]))), 2e-4)
@@ -125,17 +74,14 @@ TEST_F(VulkanCloseHoles, AddsDistancesToAPatch) {
     cpu::SurfaceTree tree, patchTree;
     tree.build(cellMesh(mesh, grid));
     computeExactDistance(tree, dims, 0.0, progress_, expected, &triangle);
-    const DeviceBuffer distances = upload(std::vector<float>(expected.begin(), expected.end()), "distance");
-    const DeviceBuffer triangles =
-        upload(std::vector<uint32_t>(triangle.begin(), triangle.end()), "triangle");
-    const CellMesh cells = cellMesh(patch, grid);
-    patchTree.build(cells);
-    addExactDistance(patchTree, dims, progress_, expected, &triangle);
+    const DeviceBuffer distances = upload(expected, "distance"), triangles = upload(triangle, "triangle");
     HolePatch onHost;
     onHost.triangles.assign(patch.triangles.begin(), patch.triangles.end());
     onHost.mesh = cellMesh(patch, grid);
+    patchTree.build(onHost.mesh);
+    addExactDistance(patchTree, dims, progress_, expected, &triangle);
     run([&](Commands& commands) {
-      stage().recordDistance(commands, onHost, {distances.address(), triangles.address()});
+      kept<CloseHolesStage>().recordDistance(commands, onHost, {distances.address(), triangles.address()});
     });
     const std::vector<float> found = download<float>(distances);
     const std::vector<uint32_t> ids = download<uint32_t>(triangles);

@@ -35,7 +35,7 @@ TEST_F(VulkanDispatch, DispatchesWhatTheDeviceCounted) {
   for (const uint32_t count : {0U, 1U, kMaxGroups * groupSize + 1}) {
     DeviceBuffer buffer(device(), "groups");
     buffer.resize<uint32_t>(3000000);
-    const DeviceBuffer counted = upload<uint32_t>({count}, "count");
+    const DeviceBuffer counted = upload(std::vector<uint32_t>{count}, "count");
     run([&](Commands& commands) {
       commands.fill(buffer, 0);
       arguments.record(
@@ -60,7 +60,7 @@ TEST_F(VulkanDispatch, SplitsWhatTheDeviceCounted) {
   for (const uint32_t groups : {0u, 1u, 4u, 5u, 6u, 15u, 19u, 20u}) {
     DeviceBuffer numbers(device(), "groups");
     numbers.resize<uint32_t>(kCapacity);
-    const DeviceBuffer counted = upload<uint32_t>({groups * kSize}, "count");
+    const DeviceBuffer counted = upload(std::vector<uint32_t>{groups * kSize}, "count");
     run([&](Commands& commands) {
       commands.fill(numbers, 0);
       arguments.record(commands, 1,
@@ -85,7 +85,7 @@ TEST_F(VulkanDispatch, SplitsWhatAGateLetsThrough) {
   const std::vector<uint64_t> groups{0, 1, 5, 6, 20, 23};
   gate.plan(groups, kMost);
   for (const uint32_t word : {0u, 9u}) {
-    const DeviceBuffer opening = upload<uint32_t>({word}, "word");
+    const DeviceBuffer opening = upload(std::vector<uint32_t>{word}, "word");
     for (uint32_t d = 0; d < groups.size(); ++d) {
       DeviceBuffer numbers(device(), "groups");
       numbers.resize<uint32_t>(kCapacity);
@@ -101,7 +101,7 @@ TEST_F(VulkanDispatch, SplitsWhatAGateLetsThrough) {
   gate.plan(std::array{uint64_t{kMaxGroups} + 1});  // Over two dimensions.
   DeviceBuffer numbers(device(), "groups");
   numbers.resize<uint32_t>(uint64_t{kMaxGroups + 1} * kSize);
-  const DeviceBuffer open = upload<uint32_t>({1}, "word");
+  const DeviceBuffer open = upload(std::vector<uint32_t>{1}, "word");
   run([&](Commands& commands) {
     gate.record(commands, open.address());
     gate.dispatch(commands, kernel,
@@ -115,7 +115,7 @@ TEST_F(VulkanDispatch, RunsEveryGroupOfLargePartsOnce) {
   Kernel<CountRunsPush> kernel(device(), shaders::kCountRuns, kSize);
   for (const uint32_t most : {kMostGroups, kMaxGroups}) {
     const uint32_t groups = (kParts - 1) * most + 3, listed = groups + kParts;
-    const DeviceBuffer counted = upload<uint32_t>({groups}, "count");
+    const DeviceBuffer counted = upload(std::vector<uint32_t>{groups}, "count");
     DispatchArguments arguments(device(), "arguments", kParts);
     Gate gate(device(), "gate");
     gate.plan(std::array{uint64_t{groups}}, most);

@@ -1,10 +1,8 @@
-#include <algorithm>
-#include <tuple>
+#include "vulkan/stages/face_search.h"
 
-#include "mesh/double_sided.h"
+#include "broken_meshes.h"
 #include "mesh/rim_edges.h"
-#include "shapes.h"
-#include "vulkan/self_test/face_probe.h"
+#include "vulkan/self_test/compare.h"
 #include "vulkan_device.h"
 
 namespace raymap::vulkan {
@@ -12,31 +10,13 @@ namespace {
 
 class VulkanFaceSearch : public VulkanTest {
  protected:
-  static void search(FaceSearchStage& stage, const Mesh& mesh) { searchFaces(Probe(device()), stage, mesh); }
+  static void search(FaceSearchStage& stage, const Mesh& mesh) { searchFaces(kept<Probe>(), stage, mesh); }
 
   static void expectTheSame(FaceSearchStage& stage, const Mesh& mesh) {
-    search(stage, mesh);
-    const auto edges = stage.edges(), faces = stage.faces();
-    ASSERT_TRUE(edges && faces);
-    EXPECT_EQ(tuples(findRimEdges(mesh, *edges)), tuples(findRimEdges(mesh, 0.1)));
-    const DoubleSidedFaces found = findDoubleSidedFaces(mesh, *faces), expected = findDoubleSidedFaces(mesh);
-    EXPECT_EQ(found.firsts, expected.firsts);
-    EXPECT_EQ(found.others, expected.others);
-    EXPECT_EQ(found.groupOf, expected.groupOf);
-    EXPECT_EQ(found.repeated, expected.repeated);
+    compareFaceSearch(kept<Probe>(), stage, mesh);
   }
 
-  static std::vector<std::tuple<uint32_t, uint32_t, uint32_t>> tuples(const std::vector<RimEdge>& edges) {
-    std::vector<std::tuple<uint32_t, uint32_t, uint32_t>> all;
-    for (const RimEdge& edge : edges) all.emplace_back(edge.from, edge.to, edge.times);
-    return all;
-  }
-
-  static Mesh cap() {
-    Mesh mesh = shapes::sphere(1.0, 4);
-    std::erase_if(mesh.triangles, [&](const glm::uvec3& t) { return mesh.position(t.x).z > 0.8; });
-    return mesh;
-  }
+  static Mesh cap() { return withoutCap(shapes::sphere(1.0, 4), 0.8); }
 };
 
 TEST_F(VulkanFaceSearch, LetsTheHostFindTheSame) {

@@ -11,66 +11,54 @@
 namespace raymap::vulkan {
 namespace {
 
-TEST_F(VulkanGenerator, FillsImagesOfEmptyMeshes) {
-  const Mesh mesh = holedSphere();
-  const Grid grid = fitGrid(mesh, {.resolution = 9});
-  const FieldOptions options{.allowEmpty = true};
-  for (const VkFormat format : {VK_FORMAT_R32_SFLOAT, VK_FORMAT_R16_SFLOAT}) {
+class VulkanFieldImage : public VulkanGenerator {
+ protected:
+  /// Records the same frame twice, and returns the texels of its image.
+  template <class Texel>
+  static DeviceBuffer texelsOf(const MeshBuffers& mesh, const Grid& grid, const FieldOptions& options) {
+    const VkFormat format = sizeof(Texel) == 4 ? VK_FORMAT_R32_SFLOAT : VK_FORMAT_R16_SFLOAT;
     const ProbeImage image(device(), format, grid.dims);
     DeviceBuffer texels(device(), "texels", MemoryUse::ReadBack);
-    texels.resize<std::byte>(grid.sampleCount() * (format == VK_FORMAT_R32_SFLOAT ? 4 : 2));
-    Room room = roomFor(mesh, grid, options);
+    texels.resize<Texel>(grid.sampleCount());
+    Room room = roomFor(holedSphere(), grid, options);
     room.image = format;
     generator().reserve(room);
     run([&](Commands& commands) {
-      generator().record(commands.handle(), {}, grid, options,
-                         {.image = image.handle(), .imageLayout = VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL});
+      const Target target{.image = image.handle(), .imageLayout = VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL};
+      for (int round = 0; round < 2; ++round)
+        generator().record(commands.handle(), mesh, grid, options, target);
       image.recordCopy(commands, texels);
     });
-    for (size_t s = 0; s < grid.sampleCount(); ++s)
-      if (format == VK_FORMAT_R32_SFLOAT)
-        ASSERT_EQ(texels.mapped<float>()[s], FLT_MAX) << s;
-      else
-        ASSERT_EQ(glm::unpackHalf1x16(texels.mapped<uint16_t>()[s]), 65504.0f) << s;
+    return texels;
+  }
+};
+
+TEST_F(VulkanFieldImage, IsFarFromEmptyMeshes) {
+  const Grid grid = fitGrid(holedSphere(), {.resolution = 9});
+  const FieldOptions options{.allowEmpty = true};
+  const DeviceBuffer floats = texelsOf<float>({}, grid, options),
+                     halves = texelsOf<uint16_t>({}, grid, options);
+  for (size_t s = 0; s < grid.sampleCount(); ++s) {
+    ASSERT_EQ(floats.mapped<float>()[s], FLT_MAX) << s;
+    ASSERT_EQ(glm::unpackHalf1x16(halves.mapped<uint16_t>()[s]), 65504.0f) << s;
   }
 }
 
-TEST_F(VulkanGenerator, FillsImages) {
+TEST_F(VulkanFieldImage, HoldsTheDistances) {
   const Mesh mesh = holedSphere();
   const Grid grid = fitGrid(mesh, {.resolution = 15});
+  const Uploaded uploaded(mesh);
   for (const FieldOptions& options :
        {FieldOptions{}, FieldOptions{.distance = DistanceMode::Cell, .sign = SignMode::Rays}}) {
     const Field expected = hostField(mesh, grid, options);
-    const Uploaded uploaded(mesh);
-    for (const VkFormat format : {VK_FORMAT_R32_SFLOAT, VK_FORMAT_R16_SFLOAT}) {
-      const ProbeImage image(device(), format, grid.dims);
-      DeviceBuffer texels(device(), "texels", MemoryUse::ReadBack);
-      texels.resize<std::byte>(grid.sampleCount() * (format == VK_FORMAT_R32_SFLOAT ? 4 : 2));
-      Room room = roomFor(mesh, grid, options);
-      room.image = format;
-      generator().reserve(room);
-      run([&](Commands& commands) {
-        const Target target{.image = image.handle(), .imageLayout = VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL};
-        for (int round = 0; round < 2; ++round)
-          generator().record(commands.handle(), uploaded.buffers, grid, options, target);
-        image.recordCopy(commands, texels);
-      });
-      if (format == VK_FORMAT_R32_SFLOAT) {
-        EXPECT_EQ(0, std::memcmp(texels.mapped<float>().data(), expected.distance.data(), texels.bytes()));
-        continue;
-      }
-      for (size_t s = 0; s < expected.distance.size(); ++s) {
-        const uint16_t half = texels.mapped<uint16_t>()[s];
-        const float value = glm::unpackHalf1x16(half), wanted = expected.distance[s];
-        const auto distanceOf = [&](uint16_t other) { return std::abs(glm::unpackHalf1x16(other) - wanted); };
-        ASSERT_LE(std::abs(value - wanted), distanceOf(half + 1)) << s;
-        ASSERT_LE(std::abs(value - wanted), distanceOf(half - 1)) << s;
-      }
-    }
+    const DeviceBuffer floats = texelsOf<float>(uploaded.buffers, grid, options);
+    requireEqual("texels", floats.mapped<float>(), expected.distance);
+    const DeviceBuffer halves = texelsOf<uint16_t>(uploaded.buffers, grid, options);
+    requireNearestHalves(halves.mapped<uint16_t>(), expected.distance);
   }
 }
 
-TEST_F(VulkanGenerator, RoundsHalfFloatsToTheNearest) {
+TEST_F(VulkanFieldImage, RoundsHalfFloatsToTheNearest) {
   Kernel<HalfFloatsPush> kernel(device(), shaders::kFieldImageHalves, 64);
   std::vector<float> values;
   for (uint32_t bits = 0; bits < 0x7c00;

@@ -9,6 +9,7 @@
 #include "picture/drawn_scene.h"
 #include "pictures.h"
 #include "vulkan/runtime/draw_scene.h"
+#include "vulkan/self_test/compare.h"
 #include "vulkan/stages/render_field.h"
 #include "vulkan_device.h"
 
@@ -16,15 +17,11 @@ namespace raymap::vulkan {
 namespace {
 
 using analytic::cube;
+using analytic::notchedBox;
 using analytic::sampled;
 
 Field torus(int n) {
   return sampled(cube(n, 2.0), [](const glm::dvec3& p) { return analytic::torus(p, 0.6, 0.25); });
-}
-
-/// A box with one round corner, which tells its sides apart.
-double solid(const glm::dvec3& p) {
-  return std::max(analytic::box(p, {0.7, 0.5, 0.6}), -analytic::sphere(p - glm::dvec3(0.4, 0.5, 0.6), 0.45));
 }
 
 class VulkanRender : public VulkanTest {
@@ -45,7 +42,7 @@ class VulkanRender : public VulkanTest {
     options.height = 120;
     const Picture ours = draw(field, options);
     EXPECT_EQ(ours.rgb, draw(field, options).rgb);
-    expectClose(ours, renderField(field, options, {.device = "cpu"}));
+    requireSamePicture(ours, renderField(field, options, {.device = "cpu"}));
   }
 };
 
@@ -55,7 +52,7 @@ TEST_F(VulkanRender, SphereAndTorus) {
 }
 
 TEST_F(VulkanRender, CutAndShell) {
-  const Field field = sampled(cube(48, 2.0), solid);
+  const Field field = sampled(cube(48, 2.0), notchedBox);
   expectAsOnTheCpu(field);
   expectAsOnTheCpu(field, {.cut = true});
   expectAsOnTheCpu(field, {.shell = 0.15});
@@ -63,14 +60,14 @@ TEST_F(VulkanRender, CutAndShell) {
 }
 
 TEST_F(VulkanRender, FramedByABox) {
-  const Field field = sampled(cube(40, 2.0), solid);
+  const Field field = sampled(cube(40, 2.0), notchedBox);
   const Box box{glm::dvec3(-0.8, -0.4, -0.9), glm::dvec3(0.9, 1.1, 0.7)};
   expectAsOnTheCpu(field, {.frame = box});
   expectAsOnTheCpu(field, {.cut = true, .shell = 0.1, .frame = box});
 }
 
 TEST_F(VulkanRender, EyeIsoCutPlaneAndSlice) {
-  const Field field = sampled(cube(40, 2.0), solid);
+  const Field field = sampled(cube(40, 2.0), notchedBox);
   const RenderOptions at{.direction = {-1.0, -0.3, -0.5}, .eye = glm::dvec3(1.8, 0.7, 1.1)};
   expectAsOnTheCpu(field, at);
   RenderOptions options = at;
@@ -92,7 +89,7 @@ TEST_F(VulkanRender, ASliceBeforeTheShape) {
 }
 
 TEST_F(VulkanRender, NumbersAndDifferencesInColour) {
-  Field field = sampled(cube(40, 2.0), solid);
+  Field field = sampled(cube(40, 2.0), notchedBox);
   field.winding = sampled(cube(40, 2.0), [](const glm::dvec3& p) { return 3.0 * p.x + p.y; }).distance;
   field.confidence = sampled(cube(40, 2.0), [](const glm::dvec3& p) { return 0.5 + 0.6 * p.z; }).distance;
   RenderOptions options{.cutPlane = Plane{{2.0, 1.0, 0.0}, 0.4}, .slice = Plane{{0.0, 1.0, 3.0}, 0.5}};
@@ -102,7 +99,7 @@ TEST_F(VulkanRender, NumbersAndDifferencesInColour) {
   }
   options.array = FieldArray::Distance;
   const Field other =
-      sampled(cube(40, 2.0), [](const glm::dvec3& p) { return solid(p + glm::dvec3(0.02, 0.05, 0.0)); });
+      sampled(cube(40, 2.0), [](const glm::dvec3& p) { return notchedBox(p + glm::dvec3(0.02, 0.05, 0.0)); });
   options.other = &other;
   for (const double range : {0.0, 0.2}) {
     options.range = range;
@@ -156,8 +153,7 @@ TEST_F(VulkanRender, RaysOfALargeBandTakeFewSteps) {
   expectAsOnTheCpu(band, {.cut = true});
   const auto stepsOf = [&](const Field& drawn) {
     const DrawnScene scene(drawn, {.width = 64, .height = 48});
-    const DeviceBuffer samples = upload(std::vector<float>(drawn.distance.begin(), drawn.distance.end())),
-                       index = upload(scene.shape.field().leafIndex(1.0)),
+    const DeviceBuffer samples = upload(drawn.distance), index = upload(scene.shape.field().leafIndex(1.0)),
                        steps = upload(std::vector<uint32_t>{0});
     DeviceBuffer pixels(device(), "pixels");
     pixels.resize<uint32_t>(size_t{64} * 48);
@@ -177,7 +173,7 @@ TEST_F(VulkanRender, AFieldThatIsOnTheDevice) {
   const Field field = torus(32);
   const RenderOptions options{.width = 120, .height = 90, .frame = Box{glm::dvec3(-1.0), glm::dvec3(1.0)}};
   const Picture theirs = renderField(field, options, {.device = "cpu"});
-  const DeviceBuffer samples = upload(std::vector<float>(field.distance.begin(), field.distance.end()));
+  const DeviceBuffer samples = upload(field.distance);
   DeviceBuffer pixels(device(), "pixels"), depth(device(), "depth");
   pixels.resize<uint32_t>(120 * 90);
   depth.resize<float>(120 * 90);
@@ -189,11 +185,7 @@ TEST_F(VulkanRender, AFieldThatIsOnTheDevice) {
     stage.recordRows(commands, {samples.address(), float(1.0 / field.grid.spacing)},
                      {pixels.address(), depth.address()}, 0, 90);
   });
-  Picture ours{120, 90, {}};
-  const std::vector<uint32_t> drawn = download<uint32_t>(pixels);
-  for (const uint32_t pixel : drawn)
-    for (const int shift : {0, 8, 16}) ours.rgb.push_back(uint8_t(pixel >> shift));
-  expectClose(ours, theirs);
+  requireSamePicture(pictureOf(download<uint32_t>(pixels), 120, 90), theirs);
   // The depth leads from the eye to the torus, and is the largest float where the background is.
   const std::vector<float> depths = download<float>(depth);
   int seen = 0;
@@ -211,18 +203,19 @@ TEST_F(VulkanRender, AFieldThatIsOnTheDevice) {
 }
 
 TEST_F(VulkanRender, UnsignedAndBanded) {
-  expectAsOnTheCpu(sampled(cube(32, 2.0), [](const glm::dvec3& p) { return std::abs(solid(p)); }));
-  Field banded = sampled(cube(48, 2.0), [](const glm::dvec3& p) { return std::clamp(solid(p), -0.2, 0.2); });
+  expectAsOnTheCpu(sampled(cube(32, 2.0), [](const glm::dvec3& p) { return std::abs(notchedBox(p)); }));
+  Field banded =
+      sampled(cube(48, 2.0), [](const glm::dvec3& p) { return std::clamp(notchedBox(p), -0.2, 0.2); });
   banded.clampDistance = 0.2;
   expectAsOnTheCpu(banded);
   expectAsOnTheCpu(banded, {.cut = true, .shell = 0.1});
 }
 
 TEST_F(VulkanRender, GridsThatCutTheShape) {
-  expectAsOnTheCpu(sampled({{40, 20, 30}, {-0.5, -0.2, -0.4}, 0.03}, solid));
-  expectAsOnTheCpu(sampled({{30, 30, 1}, {-1.0, -1.0, 0.0}, 0.07}, solid));
-  expectAsOnTheCpu(sampled({{1, 1, 90}, {0.0, 0.0, -1.0}, 0.02}, solid));
-  expectAsOnTheCpu(sampled({{1, 1, 1}, {0.0, 0.0, 0.0}, 1.0}, solid));
+  expectAsOnTheCpu(sampled({{40, 20, 30}, {-0.5, -0.2, -0.4}, 0.03}, notchedBox));
+  expectAsOnTheCpu(sampled({{30, 30, 1}, {-1.0, -1.0, 0.0}, 0.07}, notchedBox));
+  expectAsOnTheCpu(sampled({{1, 1, 90}, {0.0, 0.0, -1.0}, 0.02}, notchedBox));
+  expectAsOnTheCpu(sampled({{1, 1, 1}, {0.0, 0.0, 0.0}, 1.0}, notchedBox));
 }
 
 TEST_F(VulkanRender, HugeAndTinyValues) {
@@ -259,7 +252,7 @@ TEST_F(VulkanRender, PicturesOfAnySize) {
   for (const glm::ivec2 size : {glm::ivec2(1, 1), glm::ivec2(7, 61), glm::ivec2(130, 3)}) {
     RenderOptions options{.width = size.x, .height = size.y};
     const Picture ours = draw(field, options);
-    expectClose(ours, renderField(field, options, {.device = "cpu"}));
+    requireSamePicture(ours, renderField(field, options, {.device = "cpu"}));
   }
 }
 
@@ -298,10 +291,10 @@ TEST_F(VulkanRender, ByName) {
   const Field field = torus(24);
   const RenderOptions options{.width = 64, .height = 48};
   const Picture ours = renderField(field, options, {.device = "vulkan"});
-  expectClose(ours, renderField(field, options, {.device = "cpu"}));
+  requireSamePicture(ours, renderField(field, options, {.device = "cpu"}));
   const Field band = toSparse(field);
-  expectClose(renderField(band, options, {.device = "vulkan"}),
-              renderField(band, options, {.device = "cpu"}));
+  requireSamePicture(renderField(band, options, {.device = "vulkan"}),
+                     renderField(band, options, {.device = "cpu"}));
   RenderOptions ofBoth = options;
   ofBoth.other = &field;
   EXPECT_EQ(codeOf([&] { renderField(band, ofBoth, {.device = "vulkan"}); }), ErrorCode::Usage);

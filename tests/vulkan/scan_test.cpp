@@ -38,7 +38,7 @@ TEST_F(VulkanScanLimits, AllowThreeLevels) {
 TEST_F(VulkanScanLimits, HoldForCountsOfTheDevice) {
   const std::vector<uint32_t> values(5001, 1);
   const DeviceBuffer buffer = upload(values);
-  const DeviceBuffer count = upload<uint32_t>({1000000}, "count");
+  const DeviceBuffer count = upload(std::vector<uint32_t>{1000000}, "count");
   Scan scan(device());
   scan.reserve(5000);
   run([&](Commands& commands) {

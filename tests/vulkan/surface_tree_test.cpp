@@ -1,102 +1,56 @@
 #include "vulkan/stages/surface_tree.h"
 
 #include <cmath>
-#include <cstring>
+#include <map>
 #include <random>
 
+#include "cells.h"
 #include "shaders/disc_bounds.h"
 #include "shaders/disc_bounds_spv.h"
 #include "shapes.h"
 #include "vulkan/device/kernel.h"
+#include "vulkan/self_test/compare.h"
 #include "vulkan_device.h"
 
 namespace raymap::vulkan {
 namespace {
 
-/// A tree that was read back.
-struct Tree {
-  std::vector<glm::vec4> frames, discs;
-  uint32_t firstLeaf, leafCount;
-
-  uint32_t triangleId(size_t place) const {
-    uint32_t id;
-    std::memcpy(&id, &frames[place * kFrameVectors + 3].z, sizeof id);
-    return id;
-  }
-  bool contains(uint32_t node, const glm::dvec3& p) const {
-    return distance(discs[node * kDiscVectors], discs[node * kDiscVectors + 1], p) == 0.0;
-  }
-
-  /// Returns whether the disc of a node contains the rims of a child's disc.
-  bool containsDisc(uint32_t node, uint32_t child) const {
-    const glm::dvec4 first(discs[child * kDiscVectors]), second(discs[child * kDiscVectors + 1]);
-    const glm::dvec3 normal = glm::normalize(glm::dvec3(second)), up(discs[node * kDiscVectors + 1]);
-    const glm::dvec3 across = up - glm::dot(up, normal) * normal;  // Towards the rim's highest place.
-    const glm::dvec3 x = glm::length(across) > 1e-9 ? glm::normalize(across) : glm::dvec3(0.0);
-    for (const double side : {-1.0, 1.0})
-      for (const double height : {-second.w, second.w})
-        if (!contains(node, glm::dvec3(first) + side * first.w * x + height * normal)) return false;
-    return true;
-  }
-
-  /// Returns the distance of a point from a disc, in the layout of the tree.
-  static double distance(const glm::dvec4& first, const glm::dvec4& second, const glm::dvec3& p) {
-    const glm::dvec3 q = p - glm::dvec3(first), normal = glm::normalize(glm::dvec3(second));
-    const double height = glm::dot(q, normal);
-    const double beside = glm::length(q - height * normal) - first.w;
-    return glm::length(glm::max(glm::dvec2(beside, std::abs(height) - second.w), 0.0));
-  }
-};
-
 constexpr int32_t kRootErrors[] = {-3, 0, 3};  // Units in the last place; Vulkan allows 2.
 
 class VulkanSurfaceTree : public VulkanTest {
  protected:
-  static Tree build(const Mesh& mesh, int32_t rootError) {
-    const DeviceBuffer vertices = upload(mesh.vertices, "vertices"),
-                       triangles = upload(mesh.triangles, "triangles");
-    SurfaceTreeStage tree(device(), rootError);
-    tree.reserve(static_cast<uint32_t>(mesh.triangles.size()) + 1000);
-    run([&](Commands& commands) {
-      tree.record(commands,
-                  {vertices.address(), triangles.address(), static_cast<uint32_t>(mesh.vertices.size()),
-                   static_cast<uint32_t>(mesh.triangles.size())},
-                  {20, 20, 20});
-    });
-    return {download<glm::vec4>(tree.frames()), download<glm::vec4>(tree.discs()), tree.firstLeaf(),
-            tree.leafCount()};
-  }
-
   static void expectSound(const Mesh& mesh) {
-    for (const int32_t rootError : kRootErrors) expectSound(mesh, rootError);
+    static std::map<int32_t, SurfaceProbe> probes;
+    for (const int32_t rootError : kRootErrors) {
+      const ExactDistanceStage::Imitated imitated{.rootError = rootError};
+      expectSound(
+          checkTree(probes.try_emplace(rootError, device(), imitated).first->second, inCells(mesh), 0.0),
+          mesh.triangles.size());
+    }
   }
 
-  static void expectSound(const Mesh& mesh, int32_t rootError) {
-    const Tree tree = build(mesh, rootError);
-    const size_t count = mesh.triangles.size();
-    ASSERT_EQ(tree.leafCount, (count + kTreeArity - 1) / kTreeArity);
-    std::vector<int> seen(count);
-    for (size_t place = 0; place < size_t{tree.leafCount} * kTreeArity; ++place) {
-      const uint32_t id = tree.triangleId(place);
-      ASSERT_LT(id, count);
-      if (place < count)
-        ++seen[id];
-      else
-        ASSERT_EQ(id, tree.triangleId(count - 1));
-      for (int corner = 0; corner < 3; ++corner)
-        for (auto node = tree.firstLeaf + static_cast<uint32_t>(place / kTreeArity);;
-             node = (node - 1) / kTreeArity) {
-          ASSERT_TRUE(tree.contains(node, glm::dvec3(mesh.vertices[mesh.triangles[id][corner]])))
-              << "triangle " << id << ", node " << node;
-          if (node == 0) break;
-        }
-    }
-    EXPECT_EQ(seen, std::vector<int>(count, 1));
-    for (const auto& [start, nodes] : SurfaceTreeStage::placeLevels(static_cast<uint32_t>(count)))
+  static void expectSound(const TreeOnHost& tree, size_t triangles) {
+    const auto [firstLeaf, leafCount] = tree.levels.front();
+    ASSERT_EQ(leafCount, (triangles + kTreeArity - 1) / kTreeArity);
+    for (size_t place = triangles; place < size_t{leafCount} * kTreeArity; ++place)
+      ASSERT_EQ(tree.triangleId(place), tree.triangleId(triangles - 1));
+    for (const auto& [start, nodes] : tree.levels)
       for (uint32_t node = std::max(start, 1u); node < start + nodes; ++node)
-        ASSERT_TRUE(tree.containsDisc((node - 1) / kTreeArity, node)) << "node " << node;
-    for (uint32_t leaf = tree.leafCount; leaf % kTreeArity != 0 && tree.firstLeaf > 0; ++leaf)
-      EXPECT_LT(tree.discs[(tree.firstLeaf + leaf) * kDiscVectors].w, 0.0f);
+        ASSERT_TRUE(holdsDisc(tree, (node - 1) / kTreeArity, node)) << "node " << node;
+    for (uint32_t leaf = leafCount; leaf % kTreeArity != 0 && firstLeaf > 0; ++leaf)
+      EXPECT_LT(tree.discs[(firstLeaf + leaf) * kDiscVectors].w, 0.0f);
+  }
+
+  /// Returns whether the disc of a node contains the rims of a child's disc.
+  static bool holdsDisc(const TreeOnHost& tree, uint32_t node, uint32_t child) {
+    const glm::dvec4 first(tree.discs[child * kDiscVectors]), second(tree.discs[child * kDiscVectors + 1]);
+    const glm::dvec3 normal = glm::normalize(glm::dvec3(second)), up(tree.discs[node * kDiscVectors + 1]);
+    const glm::dvec3 across = up - glm::dot(up, normal) * normal;  // Towards the rim's highest place.
+    const glm::dvec3 x = glm::length(across) > 1e-9 ? glm::normalize(across) : glm::dvec3(0.0);
+    for (const double side : {-1.0, 1.0})
+      for (const double height : {-second.w, second.w})
+        if (tree.distance(node, glm::dvec3(first) + side * first.w * x + height * normal) > 0.0) return false;
+    return true;
   }
 };
 
@@ -110,18 +64,18 @@ TEST_F(VulkanSurfaceTree, HoldsEveryTriangleOnceInDiscsThatHoldTheirChildren) {
 }
 
 /// Returns the mesh at the place and size that it has in a grid.
-Mesh inCells(Mesh mesh, float scale, const glm::vec3& centre) {
+Mesh placed(Mesh mesh, float scale, const glm::vec3& centre) {
   for (glm::vec3& v : mesh.vertices) v = scale * v + centre;
   return mesh;
 }
 
 TEST_F(VulkanSurfaceTree, BoundsMeshesInLargeGrids) {
-  expectSound(inCells(shapes::sphere(1.0, 4), 90.0f, {100, 90, 110}));
-  expectSound(inCells(shapes::torus(1.0, 0.3, 80, 40), 300.0f, {5000, 700, -80}));
-  expectSound(inCells(shapes::soup(3000, 3), 200.0f, {0, 1e4, 30}));
+  expectSound(placed(shapes::sphere(1.0, 4), 90.0f, {100, 90, 110}));
+  expectSound(placed(shapes::torus(1.0, 0.3, 80, 40), 300.0f, {5000, 700, -80}));
+  expectSound(placed(shapes::soup(3000, 3), 200.0f, {0, 1e4, 30}));
   Mesh flat = shapes::torus(1.0, 0.3, 80, 40);  // Normals that differ little.
   for (glm::vec3& v : flat.vertices) v.z *= 1e-4f;
-  expectSound(inCells(flat, 200.0f, {130, 128, 127}));
+  expectSound(placed(flat, 200.0f, {130, 128, 127}));
 }
 
 TEST_F(VulkanSurfaceTree, BoundsTrianglesAlongTheirDiscsNormal) {
@@ -169,15 +123,16 @@ TEST_F(VulkanSurfaceTree, BoundsDistancesToDiscsFromBelow) {
     const auto squared = download<float>(squares);
     for (uint32_t i = 0; i < kCount; ++i) {
       glm::dvec4 first(discs[2 * i]), second(discs[2 * i + 1]);
-      const double slack = kShare * (first.w + second.w), distance = Tree::distance(first, second, points[i]);
+      const double slack = kShare * (first.w + second.w),
+                   distance = TreeOnHost::distance(first, second, points[i]);
       first.w -= slack, second.w -= slack;
-      const double bounded = Tree::distance(first, second, points[i]);
+      const double bounded = TreeOnHost::distance(first, second, points[i]);
       ASSERT_LE(std::sqrt(double(squared[i])), bounded) << i << ", " << rootError;
       ASSERT_GE(std::sqrt(double(squared[i])), (1.0 - 1e-5) * distance - slack) << i;
       for (int n = 0; n < 8; ++n) {  // Samples of a block. The gradient is rounded: hence 1e-6 cells.
         const glm::dvec3 offset(n & 1 ? 1.5 : -1.5, n & 2 ? 1.5 : -1.5, n & 4 ? 1.5 : -1.5);
         ASSERT_LE(plane[i].w + glm::dot(glm::dvec3(plane[i]), offset),
-                  Tree::distance(first, second, glm::dvec3(points[i]) + offset) + 1e-6)
+                  TreeOnHost::distance(first, second, glm::dvec3(points[i]) + offset) + 1e-6)
             << i << ", " << rootError;
       }
     }
@@ -204,7 +159,7 @@ Mesh slivers(float size) {
 TEST_F(VulkanSurfaceTree, GivesSliversSoundFrames) {
   for (const float size : {20.0f, 1.0f, 1e-3f}) {
     const Mesh mesh = slivers(size);
-    const Tree tree = build(mesh, 0);
+    const TreeOnHost tree = kept<SurfaceProbe>().tree(inCells(mesh));
     for (size_t place = 0; place < mesh.triangles.size(); ++place) {
       const glm::vec4* frame = &tree.frames[place * kFrameVectors];
       const glm::dvec3 a(frame[0]), x(frame[1]), y(frame[2]);

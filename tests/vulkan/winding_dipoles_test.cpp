@@ -5,9 +5,9 @@
 #include <numeric>
 #include <random>
 
-#include "cpu/sign/winding_dipoles.h"
-#include "shapes.h"
+#include "broken_meshes.h"
 #include "sign_scene.h"
+#include "vulkan/self_test/compare.h"
 #include "vulkan_device.h"
 
 namespace raymap::vulkan {
@@ -15,133 +15,44 @@ namespace {
 
 constexpr double kThreshold = 0.5;
 
-/// Values that every sample starts from.
-struct Start {
-  float winding = 0.5f;   ///< Winding number of the lattice.
-  float distance = 0.0f;  ///< From the surface, in cells.
-  uint32_t disagreeing = 1;
-  float change = 0.0f;  ///< Largest of the winding number along a crossed edge.
-  WindingDipolesStage::Looks looks;
-};
-
 class VulkanWindingDipoles : public VulkanTest {
  protected:
-  static std::vector<float> settle(const Mesh& mesh, const Grid& grid, const Start& start) {
-    return settle(dipoles(), mesh, grid, std::vector<float>(grid.sampleCount(), start.winding), start);
+  /// Settles samples that all start from a winding number.
+  static std::vector<float> settle(const Mesh& mesh, const Grid& grid, const DipoleStart& start = {},
+                                   float winding = 0.5f) {
+    return settle(dipoles(), mesh, grid, std::vector<float>(grid.sampleCount(), winding), start);
   }
 
-  /// Settles samples that start from their own winding numbers.
   static std::vector<float> settle(WindingDipolesStage& stage, const Mesh& mesh, const Grid& grid,
-                                   const std::vector<float>& windings, const Start& start = {}) {
-    const DeviceBuffer distance = upload(std::vector<float>(grid.sampleCount(), start.distance), "distance");
-    const DeviceBuffer winding = upload(windings, "winding");
-    const DeviceBuffer disagreeing = upload<uint32_t>({start.disagreeing}, "disagreeing");
-    const DeviceBuffer change = upload<float>({start.change}, "change");
-    withTree(stage, mesh, grid, [&](Commands& commands, const SurfaceTreeStage& tree) {
-      stage.record(commands, tree,
-                   {distance.address(), winding.address(), disagreeing.address(), change.address()},
-                   start.looks, kThreshold);
-    });
-    return download<float>(winding);
+                                   const std::vector<float>& windings, const DipoleStart& start = {}) {
+    return kept<SurfaceProbe>().settle(stage, cellMesh(mesh, grid), windings, start);
   }
 
   static std::vector<float> numbersAt(WindingDipolesStage& stage, const Mesh& mesh, const Grid& grid,
                                       const std::vector<glm::vec3>& points) {
     const DeviceBuffer at = upload(points, "points");
     const DeviceBuffer numbers = upload(std::vector<float>(points.size()), "numbers");
-    withTree(stage, mesh, grid, [&](Commands& commands, const SurfaceTreeStage& tree) {
-      stage.recordNumbersAt(commands, tree, at.address(), static_cast<uint32_t>(points.size()),
-                            numbers.address(), kThreshold);
-    });
+    stage.reserve(static_cast<uint32_t>(mesh.triangles.size()), grid.dims);
+    kept<SurfaceProbe>().runWithTree(
+        cellMesh(mesh, grid), [&](Commands& commands, const SurfaceTreeStage& tree) {
+          stage.recordNumbersAt(commands, tree, at.address(), static_cast<uint32_t>(points.size()),
+                                numbers.address(), kThreshold);
+        });
     return download<float>(numbers);
   }
 
-  /// Runs what `record` records after the tree of the mesh.
-  template <class Record>
-  static void withTree(WindingDipolesStage& stage, const Mesh& mesh, const Grid& grid, Record&& record) {
-    const CellMesh cells = cellMesh(mesh, grid);
-    const DeviceBuffer vertices =
-        upload(std::vector<glm::vec3>(cells.vertices.begin(), cells.vertices.end()), "vertices");
-    const DeviceBuffer triangles =
-        upload(std::vector<glm::uvec3>(cells.triangles.begin(), cells.triangles.end()), "triangles");
-    const DeviceMesh onDevice{vertices.address(), triangles.address(),
-                              static_cast<uint32_t>(cells.vertices.size()),
-                              static_cast<uint32_t>(cells.triangles.size())};
-    SurfaceTreeStage tree(device());
-    tree.reserve(onDevice.triangleCount);
-    stage.reserve(onDevice.triangleCount, grid.dims);
-    run([&](Commands& commands) {
-      tree.record(commands, onDevice, grid.dims);
-      record(commands, tree);
-    });
-  }
-
-  static Buffer<float> settleOnCpu(const Mesh& mesh, const Grid& grid, const Start& start) {
-    Buffer<float> winding(grid.sampleCount());
-    std::ranges::fill(winding, start.winding);
-    std::vector<uint32_t> all(winding.size());
-    std::iota(all.begin(), all.end(), 0u);
-    cpu::SurfaceTree tree;
-    tree.build(cellMesh(mesh, grid));
-    Progress progress;
-    cpu::WindingDipoles().settle(tree, grid.dims, all, kThreshold, {0, kLooks}, progress, winding);
-    return winding;
-  }
-
-  /// Kept from one test to the next.
-  static WindingDipolesStage& dipoles() {
-    shared();  // The device is made before the stage, so it is destroyed after it.
-    static WindingDipolesStage dipoles(device());
-    return dipoles;
-  }
+  static WindingDipolesStage& dipoles() { return kept<WindingDipolesStage>(); }
 };
 
 Mesh openSphere(int subdivisions = 4) {
-  Mesh mesh = shapes::sphere(1.0, subdivisions);
-  std::erase_if(mesh.triangles, [&](const glm::uvec3& t) { return mesh.position(t.x).z > 0.4; });
-  return mesh;
+  return withoutCap(shapes::sphere(1.0, subdivisions), 0.4);
 }
 
 TEST_F(VulkanWindingDipoles, AreTheSumOfTheSolidAngles) {
   // One triangle, a leaf that is not full, one triangle more than a leaf holds, and thousands.
   for (const Mesh& mesh :
-       {shapes::soup(1, 3), shapes::soup(5, 4), shapes::soup(9, 5), shapes::soup(1000, 6), openSphere()}) {
-    SCOPED_TRACE(testing::Message() << mesh.triangles.size() << " triangles");
-    const Grid grid = fitGrid(mesh, {.resolution = 16});
-    const std::vector<float> winding = settle(mesh, grid, {});
-    double sum = 0.0;
-    for (size_t s = 0; s < winding.size(); ++s) {
-      const double error = std::abs(winding[s] - reference::windingNumber(mesh, samplePosition(grid, s)));
-      // Numbers near the threshold are computed more accurately.
-      ASSERT_LT(error, std::abs(std::abs(winding[s]) - kThreshold) < 0.015 ? 0.005 : 0.05) << s;
-      sum += error;
-    }
-    EXPECT_LT(sum / double(winding.size()), 0.008);
-  }
-}
-
-TEST_F(VulkanWindingDipoles, MatchTheCpu) {
-  for (const Mesh& mesh : {shapes::soup(9, 5), shapes::soup(1000, 6), openSphere()}) {
-    SCOPED_TRACE(testing::Message() << mesh.triangles.size() << " triangles");
-    const Grid grid = fitGrid(mesh, {.resolution = 20});
-    const std::vector<float> ours = settle(mesh, grid, {});
-    const Buffer<float> theirs = settleOnCpu(mesh, grid, {});
-    size_t unlike = 0;
-    double sum = 0.0;
-    for (size_t s = 0; s < ours.size(); ++s) {
-      unlike += (std::abs(ours[s]) > kThreshold) != (std::abs(theirs[s]) > kThreshold) ? 1 : 0;
-      sum += std::abs(ours[s] - theirs[s]);
-      ASSERT_NEAR(ours[s], theirs[s], 0.06f) << s;
-    }
-    EXPECT_LE(unlike, 1u) << "on different sides of the threshold";
-    EXPECT_LT(sum / double(ours.size()), 0.004);
-  }
-}
-
-TEST_F(VulkanWindingDipoles, GiveTheSameBitsEachTime) {
-  const Mesh mesh = shapes::soup(1000, 6);
-  const Grid grid = fitGrid(mesh, {.resolution = 16});
-  EXPECT_EQ(settle(mesh, grid, {}), settle(mesh, grid, {}));
+       {shapes::soup(1, 3), shapes::soup(5, 4), shapes::soup(9, 5), shapes::soup(1000, 6), openSphere()})
+    checkSettled(kept<SurfaceProbe>(), dipoles(), onGrid(mesh, {.resolution = 16}));
 }
 
 /// Sizes of groups: one subgroup or several, on any device.
@@ -150,7 +61,7 @@ constexpr uint32_t kGroups[] = {8, 16, 64, 256};
 TEST_F(VulkanWindingDipoles, AreTheSameForAnySizeOfGroups) {
   for (const Mesh& mesh : {shapes::soup(5, 4), shapes::soup(1000, 6), openSphere()}) {
     const Grid grid = fitGrid(mesh, {.resolution = 8});
-    const std::vector<float> expected = settle(mesh, grid, {});
+    const std::vector<float> expected = settle(mesh, grid);
     for (const uint32_t group : kGroups) {
       WindingDipolesStage stage(device(), nullptr, group);
       EXPECT_EQ(settle(stage, mesh, grid, std::vector<float>(grid.sampleCount(), 0.5f)), expected) << group;
@@ -163,7 +74,7 @@ TEST_F(VulkanWindingDipoles, LeaveNoDoubtfulSampleOutWhereTheListIsFull) {
   Grid grid = fitGrid(mesh, {.resolution = 11});
   grid.dims = {11, 9, 9};  // Not a multiple of 8 samples.
   const size_t count = grid.sampleCount(), capacity = (count + kSamplesPerListed - 1) / kSamplesPerListed;
-  const std::vector<float> all = settle(mesh, grid, {});
+  const std::vector<float> all = settle(mesh, grid);
   std::vector<size_t> order(count);
   std::iota(order.begin(), order.end(), size_t{0});
   std::shuffle(order.begin(), order.end(), std::mt19937(7));
@@ -201,19 +112,16 @@ TEST_F(VulkanWindingDipoles, LeaveAloneWhatIsFarFromTheThreshold) {
   const Mesh mesh = openSphere();
   const Grid grid = fitGrid(mesh, {.resolution = 12});
   // The lattice's error is smaller far from the surface.
-  for (const Start& start :
-       {Start{.winding = 0.85f}, Start{.winding = -0.15f}, Start{.winding = 0.55f, .distance = 20.0f}})
-    for (const float w : settle(mesh, grid, start)) ASSERT_EQ(w, start.winding);
+  for (const auto& [winding, distance] : {std::pair(0.85f, 0.0f), {-0.15f, 0.0f}, {0.55f, 20.0f}})
+    for (const float w : settle(mesh, grid, {.distance = distance}, winding)) ASSERT_EQ(w, winding);
 }
 
 TEST_F(VulkanWindingDipoles, DoubtMoreWhereTheFieldCannotFollowTheCrossings) {
   const Mesh mesh = openSphere();
   const Grid grid = fitGrid(mesh, {.resolution = 12});
   // The doubt of 0.04 is 1.5 and 0.9 times as large.
-  for (const float w : settle(mesh, grid, {.winding = 0.55f, .distance = 20.0f, .change = 0.5f}))
-    ASSERT_NE(w, 0.55f);
-  for (const float w : settle(mesh, grid, {.winding = 0.545f, .distance = 20.0f, .change = 0.3f}))
-    ASSERT_EQ(w, 0.545f);
+  for (const float w : settle(mesh, grid, {.distance = 20.0f, .change = 0.5f}, 0.55f)) ASSERT_NE(w, 0.55f);
+  for (const float w : settle(mesh, grid, {.distance = 20.0f, .change = 0.3f}, 0.545f)) ASSERT_EQ(w, 0.545f);
 }
 
 TEST_F(VulkanWindingDipoles, LeaveToTheRimsWhatTheLastLookIsNotSureOf) {
@@ -248,7 +156,7 @@ TEST_F(VulkanWindingDipoles, LeaveEverythingWhereAllRaysAgree) {
 TEST_F(VulkanWindingDipoles, SurviveDegenerateTriangles) {
   Mesh mesh = openSphere();
   mesh.triangles.insert(mesh.triangles.begin(), {{0, 0, 0}, {0, 1, 1}, {2, 3, 2}});
-  for (const float w : settle(mesh, fitGrid(mesh, {.resolution = 16}), {})) ASSERT_TRUE(std::abs(w) < 1.1f);
+  for (const float w : settle(mesh, fitGrid(mesh, {.resolution = 16}))) ASSERT_TRUE(std::abs(w) < 1.1f);
 }
 
 }  // namespace

@@ -7,12 +7,13 @@
 #include "cpu/sign/crossings_lines.h"
 #include "shapes.h"
 #include "sign_scene.h"
-#include "vulkan_rays.h"
+#include "vulkan/self_test/sign_probe.h"
+#include "vulkan_device.h"
 
 namespace raymap::vulkan {
 namespace {
 
-class VulkanWindingDoubts : public VulkanRaysTest {};
+class VulkanWindingDoubts : public VulkanTest {};
 
 TEST_F(VulkanWindingDoubts, FindTheLargestChangeThatTheCpuFinds) {
   WindingDoubtsStage stage(device());
@@ -36,26 +37,20 @@ TEST_F(VulkanWindingDoubts, FindTheLargestChangeThatTheCpuFinds) {
     ASSERT_GT(expected, 0.0f);
     cpu::RayMap map;
     buildRayMap(dims, crossings, map);
-    const Rays rays(map);
-    const DeviceBuffer disagreeing = upload<uint32_t>({1}, "disagreeing"),
-                       agreeing = upload<uint32_t>({0}, "agreeing"), given = upload(field, "winding");
-    run([&](Commands& commands) {
-      stage.record(commands, {.dims = dims, .axes = rays.addresses()}, given.address(), agreeing.address());
-    });
-    EXPECT_EQ(download<float>(stage.change()).at(0), 0.0f) << "where all rays agree";
-    for (const float scale : {100.0f, 1.0f}) {  // The second result is smaller than the first.
+    const UploadedRays rays(kept<Probe>(), map);
+    const auto change = [&](float scale, uint32_t disagreeing) {
       std::vector<float> scaled = field;
       for (float& w : scaled) w *= scale;
-      const DeviceBuffer winding = upload(scaled, "winding");
+      const DeviceBuffer winding = upload(scaled, "winding"),
+                         count = upload(std::vector{disagreeing}, "disagreeing");
       run([&](Commands& commands) {
-        stage.record(commands, {.dims = dims, .axes = rays.addresses()}, winding.address(),
-                     disagreeing.address());
+        stage.record(commands, {.dims = dims, .axes = rays.addresses()}, winding.address(), count.address());
       });
-      if (scale == 1.0f)
-        EXPECT_EQ(download<float>(stage.change()).at(0), expected);
-      else
-        EXPECT_GT(download<float>(stage.change()).at(0), 2.0f * expected);
-    }
+      return download<float>(stage.change()).at(0);
+    };
+    EXPECT_EQ(change(1.0f, 0), 0.0f) << "where all rays agree";
+    EXPECT_GT(change(100.0f, 1), 2.0f * expected);
+    EXPECT_EQ(change(1.0f, 1), expected) << "smaller than the last";
   }
 }
 

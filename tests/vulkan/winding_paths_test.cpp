@@ -2,44 +2,18 @@
 
 #include <cmath>
 
-#include "cpu/sign/winding_rays.h"
 #include "shapes.h"
 #include "sign_scene.h"
 #include "vulkan/self_test/compare.h"
-#include "vulkan_rays.h"
+#include "vulkan_device.h"
 
 namespace raymap::vulkan {
 namespace {
 
-class VulkanWindingPaths : public VulkanRaysTest {
+class VulkanWindingPaths : public VulkanTest {
  protected:
-  static std::vector<float> rayAverage(const RayMap& map) {
-    Progress progress;
-    Buffer<float> winding;
-    averageRays(RaySweep(map), progress, 1.0, winding);
-    return {winding.begin(), winding.end()};
-  }
-
-  static std::vector<float> compute(WindingPathsStage& paths, const RayMap& map, const FieldOptions& options,
-                                    uint32_t doubtful = 1) {
-    paths.reserve(map.dims);
-    const Rays rays(map);
-    const DeviceBuffer winding = upload(rayAverage(map), "winding");
-    const DeviceBuffer count = upload<uint32_t>({doubtful}, "doubtful");
-    const WindingFields fields{
-        .rays = rays.addresses(), .winding = winding.address(), .doubtful = count.address()};
-    run([&](Commands& commands) {
-      if (options.sign == SignMode::Paths)
-        paths.recordAverage(commands, fields, options);
-      else
-        paths.recordEvolution(commands, fields, options);
-    });
-    return download<float>(winding);
-  }
-
   static void expectTwins(const RayMap& map, const FieldOptions& options) {
-    WindingPathsStage paths(device());
-    comparePaths(Probe(device()), paths, map, options);
+    comparePaths(kept<Probe>(), kept<WindingPathsStage>(), map, options);
   }
 };
 
@@ -67,9 +41,16 @@ TEST_F(VulkanWindingPaths, TakeAnyOffsets) {
 
 TEST_F(VulkanWindingPaths, LeaveWhatAllRaysAgreeOn) {
   const RayMap map = rayMapOf(shapes::soup(90, 8), {.dims = {12, 13, 14}, .spacing = 0.08});
-  WindingPathsStage paths(device());
-  for (const SignMode sign : {SignMode::Paths, SignMode::Evolution})
-    EXPECT_EQ(compute(paths, map, {.sign = sign, .passes = 5}, 0), rayAverage(map));
+  auto& paths = kept<WindingPathsStage>();
+  paths.reserve(map.dims);
+  const std::vector<float> before(size_t(12) * 13 * 14, 0.25f);
+  EXPECT_EQ(windingAfter(kept<Probe>(), map, before, 0,
+                         [&](Commands& commands, const auto& fields) {
+                           paths.recordAverage(commands, fields, {.sign = SignMode::Paths, .passes = 5});
+                           paths.recordEvolution(commands, fields,
+                                                 {.sign = SignMode::Evolution, .passes = 5});
+                         }),
+            before);
 }
 
 }  // namespace

@@ -52,7 +52,7 @@ class CellProbe : public Probe {
 
   TransformResult transform(const glm::ivec3& dims, const Buffer<float>& squared) {
     DistanceTransformStage& transform = level(0).transform;
-    const DeviceBuffer values = upload(std::vector<float>(squared.begin(), squared.end()), "squared");
+    const DeviceBuffer values = upload(squared, "squared");
     transform.reserve(dims);
     run([&](Commands& commands) { transform.record(commands, values.address()); });
     requireEqual("input of the transform", download<float>(values), squared);

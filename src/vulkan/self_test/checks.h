@@ -9,15 +9,17 @@
 #include "vulkan/runtime/backend.h"
 #include "vulkan/self_test/cell_probe.h"
 #include "vulkan/self_test/sign_probe.h"
+#include "vulkan/self_test/surface_probe.h"
 
 namespace raymap::vulkan {
 
 /// A device with the stages and the backend that its checks share.
 struct Subject {
-  explicit Subject(Device& device) : probe(device), cells(device), signs(device), backend(device) {}
+  explicit Subject(Device& on) : probe(on), cells(on), surface(on), signs(on), backend(on) {}
 
   Probe probe;
   CellProbe cells;
+  SurfaceProbe surface;
   SignProbe signs;
   Backend backend;
 };

@@ -3,7 +3,6 @@
 #include "cpu/cells/raster_distance.h"
 #include "cpu/cells/refine.h"
 #include "cpu/cells/triangle.h"
-#include "vulkan/self_test/cells.h"
 #include "vulkan/self_test/checks.h"
 #include "vulkan/self_test/compare.h"
 #include "vulkan/stages/cell_mesh.h"
@@ -39,9 +38,6 @@ void requireSame(const std::string& name, const cpu::VoxelGrid& ours, const cpu:
 /// Meshes with small and large triangles, crowded cells, triangles outside the grid and larger than it, and
 /// degenerate ones.
 std::vector<OwnCellMesh> cellMeshes() {
-  const auto onGrid = [](const Mesh& mesh, const GridOptions& options) {
-    return OwnCellMesh(mesh, fitGrid(mesh, options));
-  };
   std::vector<OwnCellMesh> meshes;
   meshes.push_back(cellSoup(400, {13, 9, 11}, 1));
   meshes.push_back(onGrid(shapes::torus(1.0, 0.3, 40, 20), {.resolution = 20}));

@@ -13,6 +13,7 @@
 #include "vulkan/runtime/draw_scene.h"
 #include "vulkan/runtime/frame_backend.h"
 #include "vulkan/self_test/checks.h"
+#include "vulkan/self_test/compare.h"
 #include "vulkan/self_test/probe_image.h"
 #include "vulkan/stages/skin.h"
 
@@ -20,78 +21,22 @@ namespace raymap::vulkan {
 
 namespace {
 
-/// Returns a sphere whose vertices follow up to four joints each.
-AnimatedMesh skinnedSphere() {
-  constexpr uint16_t kJoints = 5;
-  std::mt19937 random(7);
-  const auto real = [&](double low, double high) {
-    return low + (high - low) * double(random()) / double(std::mt19937::max());
-  };
-  AnimatedMesh mesh{.rest = shapes::sphere(1.0, 3)};
-  for (uint16_t j = 0; j < kJoints; ++j) {
-    mesh.nodes.push_back({.parent = int(j) - 1,
-                          .translation = {real(-1, 1), real(-1, 1), real(-1, 1)},
-                          .rotation = {real(-1, 1), real(-1, 1), real(-1, 1), 1.0}});
-    mesh.skeleton.push_back({.node = j});
-  }
-  for (size_t v = 0; v < mesh.rest.vertices.size(); ++v) {
-    const auto joint = [&] { return uint16_t(random() % kJoints); };
-    mesh.joints.emplace_back(joint(), joint(), joint(), joint());
-    const glm::vec4 weights(0.1, v % 2 == 0 ? 0.0 : real(0.2, 1), v % 3 == 0 ? 0.0 : real(0.2, 1),
-                            real(0.2, 1));
-    mesh.weights.push_back(weights / (weights.x + weights.y + weights.z + weights.w));
-  }
-  return mesh;
-}
-
 /// Returns whether a vertex follows a joint that does not exist if there are `jointCount`.
-bool isLost(const AnimatedMesh& mesh, size_t vertex, uint32_t jointCount) {
+bool isLost(const AnimatedMesh& mesh, size_t vertex, size_t jointCount) {
   for (int k = 0; k < 4; ++k)
     if (mesh.weights[vertex][k] != 0.0F && mesh.joints[vertex][k] >= jointCount) return true;
   return false;
 }
 
 void checkSkin(Subject& subject) {
-  const Probe& probe = subject.probe;
-  const AnimatedMesh mesh = skinnedSphere();
-  const std::vector<JointMatrix> matrices = jointMatrices(mesh, 0.0);
-  const auto count = uint32_t(mesh.rest.vertices.size()), jointCount = uint32_t(matrices.size());
-  const DeviceBuffer rest = probe.upload(mesh.rest.vertices), joints = probe.upload(mesh.joints),
-                     weights = probe.upload(mesh.weights), palette = probe.upload(matrices);
-  SkinStage skin(probe.device());
-  const auto movedBy = [&](uint32_t numberOfJoints) {
-    DeviceBuffer moved(probe.device(), "moved");
-    moved.resize<glm::vec3>(count);
-    probe.run([&](Commands& commands) {
-      skin.record(commands,
-                  {.rest = rest.address(),
-                   .joints = joints.address(),
-                   .weights = weights.address(),
-                   .matrices = palette.address(),
-                   .vertexCount = count,
-                   .jointCount = numberOfJoints},
-                  moved.address());
-    });
-    return probe.download<glm::vec3>(moved);
-  };
-  const Mesh expected = posed(mesh, 0.0);
-  const double allowed = 1e-6 * glm::length(bounds(expected).size());
-  requireAll("vertices", movedBy(jointCount), expected.vertices,
-             [&](const glm::vec3& a, const glm::vec3& b) { return glm::distance(a, b) <= allowed; });
-  const std::vector<glm::vec3> moved = movedBy(jointCount - 1);
+  const AnimatedMesh mesh = wanderers(shapes::sphere(1.0, 3), 5);
+  compareSkin(subject.probe, mesh, 0.0);
+  std::vector<JointMatrix> matrices = jointMatrices(mesh, 0.0);
+  matrices.pop_back();
+  const std::vector<glm::vec3> moved = movedVertices(subject.probe, mesh, matrices);
   for (size_t v = 0; v < moved.size(); ++v)
-    require(std::isnan(moved[v].x) == isLost(mesh, v, jointCount - 1),
+    require(std::isnan(moved[v].x) == isLost(mesh, v, matrices.size()),
             "vertex " + textOf(v) + " is " + textOf(moved[v]) + " without the last joint");
-}
-
-Field hostField(Backend& backend, const Mesh& mesh, const Grid& grid, const FieldOptions& options) {
-  const Model model(mesh);
-  Field field;
-  Progress progress;
-  backend.setJob({model, grid, options, progress, field});
-  runPipeline(backend);
-  backend.readResults();
-  return field;
 }
 
 /// Makes the same field in an image, and returns a copy of its texels.
@@ -122,23 +67,11 @@ DeviceBuffer texelsOf(const Probe& probe, FrameBackend& frames, VkFormat format,
   return texels;
 }
 
-/// Throws a `Difference` unless each half float is as near to its value as any.
-void requireNearestHalves(std::span<const uint16_t> halves, const Buffer<float>& values) {
-  for (size_t s = 0; s < values.size(); ++s) {
-    const auto error = [&](int step) {  // NaN beyond zero.
-      return std::abs(double(glm::unpackHalf1x16(uint16_t(halves[s] + step))) - double(values[s]));
-    };
-    require(!(error(-1) < error(0)) && !(error(1) < error(0)), "half float " + textOf(s) + " is " +
-                                                                   textOf(glm::unpackHalf1x16(halves[s])) +
-                                                                   ", not " + textOf(values[s]));
-  }
-}
-
 void checkFieldImage(Subject& subject) {
   const Mesh mesh = shapes::torus(1.0, 0.4, 20, 12);
   const Grid grid = fitGrid(mesh, {.resolution = 15});
   const FieldOptions options{.orientation = Orientation::Keep};  // As frames do.
-  const Field field = hostField(subject.backend, mesh, grid, options);
+  const Field field = makeField(subject.backend, mesh, grid, options).field;
   FrameBackend frames(subject.probe.device());
   const DeviceBuffer floats =
       texelsOf<float>(subject.probe, frames, VK_FORMAT_R32_SFLOAT, mesh, grid, options);
@@ -162,27 +95,6 @@ Field notchedBox(int side, double band) {
   return field;
 }
 
-/// Allows what `RenderOptions::device` says.
-void requireSamePicture(const Picture& ours, const Picture& theirs) {
-  const size_t pixels = theirs.rgb.size() / 3;
-  std::array<double, 3> sums{};
-  size_t unlike = 0;
-  for (size_t p = 0; p < pixels; ++p) {
-    int most = 0;
-    for (size_t c = 0; c < 3; ++c) {
-      const int difference = std::abs(int(ours.rgb[3 * p + c]) - int(theirs.rgb[3 * p + c]));
-      sums[c] += difference;
-      most = std::max(most, difference);
-    }
-    unlike += most > 8 ? 1 : 0;
-  }
-  require(double(unlike) <= 0.002 * double(pixels),
-          textOf(unlike) + " of " + textOf(pixels) + " pixels differ by more than 8");
-  for (const double sum : sums)
-    require(sum <= 0.1 * double(pixels),
-            "a colour differs by " + textOf(sum / double(pixels)) + " on average");
-}
-
 void checkRenderField(Subject& subject) {
   const auto compare = [&](const std::string& name, const auto& field, RenderOptions options) {
     options.width = 80;
@@ -202,6 +114,89 @@ void checkRenderField(Subject& subject) {
 }
 
 }  // namespace
+
+AnimatedMesh wanderers(Mesh rest, uint16_t joints) {
+  std::mt19937 random(7);
+  const auto real = [&](double low, double high) {
+    return low + (high - low) * double(random()) / double(std::mt19937::max());
+  };
+  AnimatedMesh mesh{.rest = std::move(rest)};
+  for (uint16_t j = 0; j < joints; ++j) {
+    mesh.nodes.push_back({.parent = int(j) - 1,
+                          .translation = {real(-1, 1), real(-1, 1), real(-1, 1)},
+                          .rotation = {real(-1, 1), real(-1, 1), real(-1, 1), 1.0},
+                          .scale = glm::dvec3(real(0.9, 1.1))});
+    mesh.skeleton.push_back({.node = j});
+  }
+  for (size_t v = 0; v < mesh.rest.vertices.size(); ++v) {
+    const auto joint = [&] { return uint16_t(random() % joints); };
+    mesh.joints.emplace_back(joint(), joint(), joint(), joint());
+    const glm::vec4 weights(0.1, v % 2 == 0 ? 0.0 : real(0.2, 1), v % 3 == 0 ? 0.0 : real(0.2, 1),
+                            real(0.2, 1));
+    mesh.weights.push_back(weights / (weights.x + weights.y + weights.z + weights.w));
+  }
+  mesh.origin = {1.0, -2.0, 3.0};
+  return mesh;
+}
+
+std::vector<glm::vec3> movedVertices(const Probe& probe, const AnimatedMesh& mesh,
+                                     const std::vector<JointMatrix>& matrices, bool hasJoints) {
+  const auto count = uint32_t(mesh.rest.vertices.size());
+  const DeviceBuffer rest = probe.upload(mesh.rest.vertices), joints = probe.upload(mesh.joints),
+                     weights = probe.upload(mesh.weights), palette = probe.upload(matrices);
+  DeviceBuffer moved(probe.device(), "moved");
+  moved.resize<glm::vec3>(count);
+  SkinStage skin(probe.device());
+  probe.run([&](Commands& commands) {
+    skin.record(commands,
+                {.rest = rest.address(),
+                 .joints = hasJoints ? joints.address() : 0,
+                 .weights = hasJoints ? weights.address() : 0,
+                 .matrices = palette.address(),
+                 .vertexCount = count,
+                 .jointCount = uint32_t(matrices.size())},
+                moved.address());
+  });
+  return probe.download<glm::vec3>(moved);
+}
+
+void compareSkin(const Probe& probe, const AnimatedMesh& mesh, double seconds) {
+  const Mesh expected = posed(mesh, seconds);
+  const double allowed = 1e-6 * glm::length(bounds(expected).size());
+  requireAll("vertices", movedVertices(probe, mesh, jointMatrices(mesh, seconds)), expected.vertices,
+             [&](const glm::vec3& a, const glm::vec3& b) { return glm::distance(a, b) <= allowed; });
+}
+
+void requireNearestHalves(std::span<const uint16_t> halves, const Buffer<float>& values) {
+  for (size_t s = 0; s < values.size(); ++s) {
+    const auto error = [&](int step) {  // NaN beyond zero.
+      return std::abs(double(glm::unpackHalf1x16(uint16_t(halves[s] + step))) - double(values[s]));
+    };
+    require(!(error(-1) < error(0)) && !(error(1) < error(0)), "half float " + textOf(s) + " is " +
+                                                                   textOf(glm::unpackHalf1x16(halves[s])) +
+                                                                   ", not " + textOf(values[s]));
+  }
+}
+
+void requireSamePicture(const Picture& ours, const Picture& theirs) {
+  const size_t pixels = theirs.rgb.size() / 3;
+  std::array<double, 3> sums{};
+  size_t unlike = 0;
+  for (size_t p = 0; p < pixels; ++p) {
+    int most = 0;
+    for (size_t c = 0; c < 3; ++c) {
+      const int difference = std::abs(int(ours.rgb[3 * p + c]) - int(theirs.rgb[3 * p + c]));
+      sums[c] += difference;
+      most = std::max(most, difference);
+    }
+    unlike += most > 8 ? 1 : 0;
+  }
+  require(double(unlike) <= 0.002 * double(pixels),
+          textOf(unlike) + " of " + textOf(pixels) + " pixels differ by more than 8");
+  for (const double sum : sums)
+    require(sum <= 0.1 * double(pixels),
+            "a colour differs by " + textOf(sum / double(pixels)) + " on average");
+}
 
 std::span<const Check> checksOfFrames() {
   static constexpr Check kChecks[] = {

@@ -17,52 +17,42 @@ std::vector<uint32_t> randomValues(uint32_t count) {
   return values;
 }
 
-/// The values number the keys, so that a change in the order of equal keys shows.
+/// The bits above those to sort by are random, and many keys are equal if these are few.
 template <class Key>
-struct Lists {
-  std::vector<Key> keys;
-  std::vector<uint32_t> values;
-};
-
-template <class Key>
-Lists<Key> randomLists(uint32_t count, uint32_t bits) {
+std::vector<Key> randomKeys(uint32_t count, uint32_t bits) {
   std::mt19937_64 random(count);
-  Lists<Key> lists{std::vector<Key>(count), std::vector<uint32_t>(count)};
-  // The bits above those to sort by are random.
-  for (Key& key : lists.keys) key = static_cast<Key>(random()) & ~(bits < 12 ? Key{6} : Key{0});
-  std::iota(lists.values.begin(), lists.values.end(), 0U);
-  return lists;
+  std::vector<Key> keys(count);
+  for (Key& key : keys) key = static_cast<Key>(random()) & ~(bits < 12 ? Key{6} : Key{0});
+  return keys;
 }
 
 template <class Key>
-Lists<Key> sorted(const Lists<Key>& lists, uint32_t bits) {
-  const Key mask = static_cast<Key>(~Key{0}) >> (8 * sizeof(Key) - bits);
-  Lists<Key> result{std::vector<Key>(lists.keys.size()), lists.values};
-  std::stable_sort(result.values.begin(), result.values.end(),
-                   [&](uint32_t a, uint32_t b) { return (lists.keys[a] & mask) < (lists.keys[b] & mask); });
-  for (size_t i = 0; i < result.keys.size(); ++i) result.keys[i] = lists.keys[result.values[i]];
-  return result;
-}
-
-/// If `spare` is given, only the device knows the count, which is this much below the capacity.
-template <class Key>
-void compareSort(const Probe& probe, uint32_t count, uint32_t bits, uint32_t spare = 0) {
-  const Lists<Key> lists = randomLists<Key>(count, bits);
+void compareSort(const Probe& probe, uint32_t count, uint32_t bits, uint32_t spare) {
+  const std::vector<Key> keys = randomKeys<Key>(count, bits);
+  std::vector<uint32_t> values(
+      count);  // Numbers of the keys, so that a change in the order of equal keys shows.
+  std::iota(values.begin(), values.end(), 0U);
   std::array<std::array<DeviceBuffer, 2>, 2> buffers;
-  for (auto& pair : buffers) pair = {probe.upload(lists.keys, "keys"), probe.upload(lists.values, "values")};
-  const DeviceBuffer counted = probe.upload<uint32_t>({count}, "count");
+  for (auto& pair : buffers) pair = {probe.upload(keys, "keys"), probe.upload(values, "values")};
+  const DeviceBuffer counted = probe.upload(std::vector{count}, "count");
   RadixSort sort(probe.device(), sizeof(Key) / 4);
   sort.reserve(count + spare);
+  RadixSort::Pairs sorted;
   probe.run([&](Commands& commands) {
-    sort.record(commands, {buffers[0][0].address(), buffers[0][1].address()},
-                {buffers[1][0].address(), buffers[1][1].address()},
-                {.most = count + spare, .address = spare == 0 ? 0 : counted.address()}, bits);
+    sorted = sort.record(commands, {buffers[0][0].address(), buffers[0][1].address()},
+                         {buffers[1][0].address(), buffers[1][1].address()},
+                         {.most = count + spare, .address = spare == 0 ? 0 : counted.address()}, bits);
   });
   const std::array<DeviceBuffer, 2>& result = buffers[(bits + 7) / 8 % 2];
-  const Lists<Key> expected = sorted(lists, bits);
+  const Key mask = static_cast<Key>(~Key{0}) >> (8 * sizeof(Key) - bits);
+  std::ranges::stable_sort(values, {}, [&](uint32_t v) { return keys[v] & mask; });
+  std::vector<Key> expected;
+  for (const uint32_t v : values) expected.push_back(keys[v]);
   inCase(textOf(count) + " keys of " + textOf(bits) + " bits", [&] {
-    requireEqual("keys", probe.download<Key>(result[0]), expected.keys);
-    requireEqual("values", probe.download<uint32_t>(result[1]), expected.values);
+    require(sorted.keys == result[0].address() && sorted.values == result[1].address(),
+            "the sort names other buffers");
+    requireEqual("keys", probe.download<Key>(result[0]), expected);
+    requireEqual("values", probe.download<uint32_t>(result[1]), values);
   });
 }
 
@@ -74,7 +64,12 @@ void checkScan(Subject& subject) {
 }
 
 void checkRadixSort(Subject& subject) {
-  for (const uint32_t size : {1U, 257U, 2049U, 65537U}) compareRadixSort(subject.probe, size);
+  for (const uint32_t size : {1U, 257U, 2049U, 65537U}) {
+    compareRadixSort(subject.probe, size, 1, 32);
+    compareRadixSort(subject.probe, size, 1, 11);
+    compareRadixSort(subject.probe, size, 1, 24, 70000);
+    compareRadixSort(subject.probe, size, 2, 45);
+  }
 }
 
 }  // namespace
@@ -86,7 +81,7 @@ void compareScan(const Probe& probe, uint32_t count) {
   std::exclusive_scan(values.begin(), values.end(), expected.begin(), 0U);
   const uint32_t most = count + 100000;  // For some sizes more levels than needed.
   const DeviceBuffer in = probe.upload(values, "values"), inPlace = probe.upload(values, "values"),
-                     counted = probe.upload<uint32_t>({count}, "count");
+                     counted = probe.upload(std::vector<uint32_t>{count}, "count");
   DeviceBuffer out(probe.device(), "sums");
   out.resize<uint32_t>(values.size());
   Scan scan(probe.device());
@@ -104,11 +99,8 @@ void compareScan(const Probe& probe, uint32_t count) {
   });
 }
 
-void compareRadixSort(const Probe& probe, uint32_t count) {
-  compareSort<uint32_t>(probe, count, 32);
-  compareSort<uint32_t>(probe, count, 11);
-  compareSort<uint32_t>(probe, count, 24, 70000);
-  compareSort<uint64_t>(probe, count, 45);
+void compareRadixSort(const Probe& probe, uint32_t count, int words, uint32_t bits, uint32_t spare) {
+  (words == 1 ? compareSort<uint32_t> : compareSort<uint64_t>)(probe, count, bits, spare);
 }
 
 std::span<const Check> checksOfPrimitives() {

@@ -8,7 +8,6 @@
 #include "cpu/sign/winding_paths.h"
 #include "cpu/sign/winding_rays.h"
 #include "cpu/sign/winding_rims_samples.h"
-#include "vulkan/self_test/cells.h"
 #include "vulkan/self_test/checks.h"
 #include "vulkan/self_test/compare.h"
 #include "vulkan/stages/close_holes.h"
@@ -24,12 +23,16 @@ Grid unitGrid(const glm::ivec3& dims) {
   return {.dims = dims, .origin = glm::dvec3(0.0), .spacing = 1.0};
 }
 
-cpu::RayMap rayMapOf(const CellMesh& mesh) {
+cpu::Crossings crossingsOf(const CellMesh& mesh) {
   Progress progress;
   cpu::Crossings crossings;
   cpu::countCrossings(mesh, progress, crossings);
+  return crossings;
+}
+
+cpu::RayMap rayMapOf(const CellMesh& mesh) {
   cpu::RayMap map;
-  buildRayMap(mesh.dims, crossings, map);
+  buildRayMap(mesh.dims, crossingsOf(mesh), map);
   return map;
 }
 
@@ -37,17 +40,11 @@ OwnCellMesh soupIn(const glm::ivec3& dims, double spacing, int count = 200) {
   return {shapes::soup(count, 3), {.dims = dims, .origin = glm::dvec3(0.01), .spacing = spacing}};
 }
 
-Buffer<float> bufferOf(const std::vector<float>& values) {
-  Buffer<float> buffer(values.size());
-  std::ranges::copy(values, buffer.begin());
-  return buffer;
-}
-
 /// Returns a random field with values about every threshold.
-std::vector<float> randomField(size_t count) {
+Buffer<float> randomField(const glm::ivec3& dims) {
   std::mt19937 random(3);
   std::uniform_real_distribution<float> anything(-1.2f, 1.2f);
-  std::vector<float> values(count);
+  Buffer<float> values(CellLattice{dims}.count());
   for (float& value : values) value = anything(random);
   return values;
 }
@@ -107,12 +104,9 @@ void checkRims(Subject& subject) {
   const Grid grid = unitGrid({23, 14, 19});
   const OwnCellMesh mesh(openSurfaces(), grid);
   RimLattices lattices = findRimLattices(openSurfaces(), grid);
-  Progress progress;
-  cpu::Crossings crossings;
-  cpu::countCrossings(mesh, progress, crossings);
-  compareRims(subject.probe, stage, mesh.dims, crossings, lattices);
+  compareRims(subject.probe, stage, mesh.dims, crossingsOf(mesh), lattices);
   lattices.computed.clear();  // As if they were too many.
-  compareRims(subject.probe, stage, mesh.dims, crossings, lattices);
+  compareRims(subject.probe, stage, mesh.dims, crossingsOf(mesh), lattices);
 }
 
 void checkPaths(Subject& subject) {
@@ -129,15 +123,11 @@ void checkOrientation(Subject& subject) {
   const Probe& probe = subject.probe;
   const OwnCellMesh mesh = soupIn({21, 13, 17}, 0.05);
   const cpu::RayMap map = rayMapOf(mesh);
-  const std::vector<float> values = randomField(CellLattice{mesh.dims}.count());
-  const Buffer<float> field = bufferOf(values);
+  const Buffer<float> field = randomField(mesh.dims);
   Progress progress;
-  cpu::Crossings crossings;
-  cpu::countCrossings(mesh, progress, crossings);
-
   const UploadedMesh uploaded = probe.upload(mesh);
   const UploadedRays rays(probe, map);
-  const DeviceBuffer onDevice = probe.upload(values, "field");
+  const DeviceBuffer onDevice = probe.upload(field, "field");
   OrientationStage stage(probe.device());
   stage.reserve(mesh.dims, uploaded.addresses().triangleCount);
   const OrientationStage::Fields fields{.rays = {.dims = mesh.dims, .axes = rays.addresses()},
@@ -151,8 +141,8 @@ void checkOrientation(Subject& subject) {
                 1e-4);
   }
   probe.run([&](Commands& commands) { stage.recordMisfit(commands, fields); });
-  requireNear("misfit", std::vector{stage.misfit()}, std::vector{measureMisfit(mesh.dims, crossings, field)},
-              1e-5, 1e-5);
+  requireNear("misfit", std::vector{stage.misfit()},
+              std::vector{measureMisfit(mesh.dims, crossingsOf(mesh), field)}, 1e-5, 1e-5);
   require(stage.contradictsParity() == contradictsParity(map, field, fields.threshold),
           "contradiction to the parity");
   Buffer<float> parity;
@@ -162,31 +152,9 @@ void checkOrientation(Subject& subject) {
 }
 
 void checkCloseHoles(Subject& subject) {
-  const Probe& probe = subject.probe;
+  CloseHolesStage stage(subject.probe.device());
   const OwnCellMesh mesh = soupIn({21, 13, 17}, 0.05);
-  const std::vector<float> values = randomField(CellLattice{mesh.dims}.count());
-  const UploadedMesh uploaded = probe.upload(mesh);
-  const DeviceBuffer winding = probe.upload(values, "winding");
-  CrossingsStage crossings(probe.device());
-  crossings.reserve(mesh.dims, mesh.triangles.size(), true);
-  CloseHolesStage stage(probe.device());
-  do
-    probe.run([&](Commands& commands) {
-      crossings.record(commands, uploaded.addresses());
-      stage.recordSearch(commands, mesh.dims, crossings.crossed(), winding.address(), 0.6);
-    });
-  while (stage.growIfFull());
-  Progress progress;
-  const auto numbersOf = [](const std::vector<MissingEdge>& edges) {
-    std::vector<double> numbers;
-    for (const MissingEdge& edge : edges)
-      for (const double number : {double(edge.first), double(edge.axis), double(edge.rimCubes),
-                                  double(edge.winding[0]), double(edge.winding[1])})
-        numbers.push_back(number);
-    return numbers;
-  };
-  requireEqual("missing edges", numbersOf(stage.edges()),
-               numbersOf(findMissingEdges(rayMapOf(mesh), bufferOf(values), 0.6, progress)));
+  compareMissingEdges(subject.probe, stage, mesh, randomField(mesh.dims));
 }
 
 void checkSign(Subject& subject) {
@@ -194,16 +162,17 @@ void checkSign(Subject& subject) {
   const glm::ivec3 dims(21, 13, 17);
   const cpu::RayMap map = rayMapOf(soupIn(dims, 0.05, 60));
   const UploadedRays rays(probe, map);
-  std::vector<float> values(CellLattice{dims}.count());
+  Buffer<float> values(CellLattice{dims}.count());
   for (size_t i = 0; i < values.size(); ++i) values[i] = 0.1f * (float(i % 27) - 13.0f);
   values[5] = 0.5f;
-  const std::vector<float> distances(values.size(), 2.5f);
   const DeviceBuffer winding = probe.upload(values, "winding");
   SignStage sign(probe.device());
-  for (const double threshold : {0.5, 1.2})
+  for (const double threshold : {0.3, 0.5, 1.2})
     for (const bool isInverted : {false, true}) {
-      const DeviceBuffer distance = probe.upload(distances, "distance"),
-                         confidence = probe.upload(distances, "confidence");
+      Buffer<float> expected(values.size()), confidences;
+      std::ranges::fill(expected, 2.5f);
+      const DeviceBuffer distance = probe.upload(expected, "distance"),
+                         confidence = probe.upload(expected, "confidence");
       probe.run([&](Commands& commands) {
         sign.record(commands,
                     {.rays = rays.addresses(),
@@ -212,9 +181,8 @@ void checkSign(Subject& subject) {
                      .confidence = confidence.address()},
                     glm::uvec3(dims), threshold, isInverted);
       });
-      Buffer<float> expected = bufferOf(distances), confidences;
-      cpu::applySign(bufferOf(values), threshold, isInverted, expected);
-      computeConfidence(map, bufferOf(values), threshold, confidences);
+      cpu::applySign(values, threshold, isInverted, expected);
+      computeConfidence(map, values, threshold, confidences);
       requireEqual("signed distances", probe.download<float>(distance), expected);
       requireNear("confidences", probe.download<float>(confidence), confidences, 1e-6);
     }
@@ -223,10 +191,7 @@ void checkSign(Subject& subject) {
 }  // namespace
 
 void compareCrossings(SignProbe& probe, const CellMesh& mesh) {
-  Progress progress;
-  cpu::Crossings crossings;
-  cpu::countCrossings(mesh, progress, crossings);
-  const EdgeCounts expected = edgeCounts(crossings, mesh.dims), found = probe.countCrossings(mesh);
+  const EdgeCounts expected = edgeCounts(crossingsOf(mesh), mesh.dims), found = probe.countCrossings(mesh);
   inCase(nameOf(mesh), [&] {
     for (size_t axis = 0; axis < 3; ++axis)
       requireEqual("crossings along axis " + textOf(axis), found[axis], expected[axis]);
@@ -258,20 +223,11 @@ void compareHarmonic(const Probe& probe, WindingHarmonicStage& stage, const cpu:
   solveHarmonic(map, progress, 0.0, scratch, expected);
 
   stage.reserve(map.dims);
-  const UploadedRays rays(probe, map);
-  const DeviceBuffer doubtful = probe.upload<uint32_t>({1}, "doubtful");
-  const auto solved = [&] {
-    const DeviceBuffer winding = probe.upload(std::vector<float>(expected.size(), 7.0f), "winding");
-    probe.run([&](Commands& commands) {
-      stage.record(commands,
-                   {.rays = rays.addresses(), .winding = winding.address(), .doubtful = doubtful.address()});
-    });
-    return probe.download<float>(winding);
-  };
   inCase(textOf(map.dims, " x "), [&] {
-    const std::vector<float> found = solved();
-    requireNear("winding numbers", found, expected, 2e-5);
-    requireEqual("winding numbers the second time", solved(), found);
+    requireNear("winding numbers",
+                windingAfter(probe, map, std::vector<float>(expected.size(), 7.0f), 1,
+                             [&](Commands& commands, const auto& fields) { stage.record(commands, fields); }),
+                expected, 2e-5);
   });
 }
 
@@ -298,12 +254,11 @@ void compareRims(const Probe& probe, WindingRimsStage& stage, const glm::ivec3& 
   cpu::RayMap map;
   cpu::buildRayMap(dims, crossings, map);
   cpu::HarmonicScratch scratch;
-  Buffer<float> expected = bufferOf(randomField(CellLattice{map.dims}.count())), distance = expected.clone();
+  Buffer<float> expected = randomField(map.dims), distance = expected.clone();
   for (float& each : distance) each = 20.0f * std::abs(each);
-  const DeviceBuffer winding = probe.upload(std::vector<float>(expected.begin(), expected.end()), "winding"),
-                     distances =
-                         probe.upload(std::vector<float>(distance.begin(), distance.end()), "distance");
-  const DeviceBuffer disagreeing = probe.upload<uint32_t>({1}, "disagreeing");
+  const DeviceBuffer winding = probe.upload(expected, "winding"),
+                     distances = probe.upload(distance, "distance");
+  const DeviceBuffer disagreeing = probe.upload(std::vector<uint32_t>{1}, "disagreeing");
   const UploadedRays rays(probe, map);
   const LatticeLines lines{.dims = map.dims, .axes = rays.addresses()};
   stage.reserve(map.dims);
@@ -335,25 +290,40 @@ void comparePaths(const Probe& probe, WindingPathsStage& stage, const cpu::RayMa
   walk(sweep, options, progress, 0.0, scratch, expected);
 
   stage.reserve(map.dims);
-  const UploadedRays rays(probe, map);
-  const DeviceBuffer doubtful = probe.upload<uint32_t>({1}, "doubtful");
-  const auto walked = [&] {
-    const DeviceBuffer winding = probe.upload(std::vector<float>(average.begin(), average.end()), "winding");
-    const WindingFields fields{
-        .rays = rays.addresses(), .winding = winding.address(), .doubtful = doubtful.address()};
-    probe.run([&](Commands& commands) {
-      if (options.sign == SignMode::Paths)
-        stage.recordAverage(commands, fields, options);
-      else
-        stage.recordEvolution(commands, fields, options);
-    });
-    return probe.download<float>(winding);
+  const auto record = [&](Commands& commands, const WindingFields& fields) {
+    if (options.sign == SignMode::Paths)
+      stage.recordAverage(commands, fields, options);
+    else
+      stage.recordEvolution(commands, fields, options);
   };
-  inCase(textOf(map.dims, " x ") + ", " + textOf(options.passes) + " passes", [&] {
-    const std::vector<float> found = walked();
-    requireEqual("winding numbers", found, expected);
-    requireEqual("winding numbers the second time", walked(), found);
-  });
+  inCase(textOf(map.dims, " x ") + ", " + textOf(options.passes) + " passes",
+         [&] { requireEqual("winding numbers", windingAfter(probe, map, average, 1, record), expected); });
+}
+
+void compareMissingEdges(const Probe& probe, CloseHolesStage& stage, const CellMesh& mesh,
+                         const Buffer<float>& winding) {
+  constexpr double kThreshold = 0.6;
+  const UploadedMesh uploaded = probe.upload(mesh);
+  const DeviceBuffer numbers = probe.upload(winding, "winding");
+  CrossingsStage crossings(probe.device());
+  crossings.reserve(mesh.dims, mesh.triangles.size(), true);
+  do
+    probe.run([&](Commands& commands) {
+      crossings.record(commands, uploaded.addresses());
+      stage.recordSearch(commands, mesh.dims, crossings.crossed(), numbers.address(), kThreshold);
+    });
+  while (stage.growIfFull());
+  const auto numbersOf = [](const std::vector<MissingEdge>& edges) {
+    std::vector<double> all;
+    for (const MissingEdge& edge : edges)
+      for (const double number : {double(edge.first), double(edge.axis), double(edge.rimCubes),
+                                  double(edge.winding[0]), double(edge.winding[1])})
+        all.push_back(number);
+    return all;
+  };
+  Progress progress;
+  requireEqual("missing edges", numbersOf(stage.edges()),
+               numbersOf(findMissingEdges(rayMapOf(mesh), winding, kThreshold, progress)));
 }
 
 std::span<const Check> checksOfSign() {

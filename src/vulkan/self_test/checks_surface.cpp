@@ -1,57 +1,48 @@
 #include <cmath>
-#include <cstring>
 
-#include "cpu/distance/surface_tree.h"
-#include "cpu/sign/winding_dipoles.h"
 #include "mesh/double_sided.h"
 #include "mesh/rim_edges.h"
+#include "testing/broken_meshes.h"
 #include "testing/reference.h"
-#include "vulkan/self_test/cells.h"
 #include "vulkan/self_test/checks.h"
-#include "vulkan/self_test/face_probe.h"
-#include "vulkan/stages/exact_distance.h"
+#include "vulkan/self_test/compare.h"
 #include "vulkan/stages/finish.h"
-#include "vulkan/stages/surface_tree.h"
-#include "vulkan/stages/winding_dipoles.h"
 
 namespace raymap::vulkan {
 
 namespace {
 
-/// Checks that the tree lists every triangle once, within the discs of all nodes above it.
-void checkTree(const Probe& probe, const SurfaceTreeStage& tree, const CellMesh& mesh) {
-  const size_t count = mesh.triangles.size();
-  const auto frames = probe.download<glm::vec4>(tree.frames()),
-             discs = probe.download<glm::vec4>(tree.discs());
-  const auto outside = [&](uint32_t node, const glm::dvec3& p) {
-    const glm::vec4 first = discs.at(node * kDiscVectors), second = discs.at(node * kDiscVectors + 1);
-    const glm::dvec3 q = p - glm::dvec3(first), normal(second);
-    const double height = glm::dot(q, normal);
-    return std::max(
-        {glm::length(q - height * normal) - double(first.w), std::abs(height) - double(second.w), 0.0});
-  };
-  std::vector<int> listed(count);
-  for (size_t place = 0; place < count; ++place) {
-    uint32_t id = 0;
-    std::memcpy(&id, &frames.at(place * kFrameVectors + 3).z, sizeof id);
-    require(id < count, "place " + textOf(place) + " holds triangle " + textOf(id));
-    ++listed[id];
-    for (int corner = 0; corner < 3; ++corner)
-      for (auto node = tree.firstLeaf() + static_cast<uint32_t>(place / kTreeArity);;
-           node = (node - 1) / kTreeArity) {
-        const double distance = outside(node, glm::dvec3(mesh.corner(id, corner)));
-        require(distance < 1e-4, "triangle " + textOf(id) + " lies " + textOf(distance) +
-                                     " cells outside the disc of node " + textOf(node));
-        if (node == 0) break;
-      }
+/// Compares every `stride`-th sample with brute force in double precision.
+void requireExact(const Mesh& mesh, const glm::ivec3& dims, const ClosestResult& found, size_t stride) {
+  const double allowed = 1e-6 * glm::length(bounds(mesh).size());
+  for (size_t s = 0; s < found.distance.size(); s += stride) {
+    const glm::dvec3 p(CellLattice{dims}.cell(s));
+    const double truth = reference::distance(mesh, p);
+    require(
+        std::abs(found.distance[s] - truth) <= allowed,
+        "distance of sample " + textOf(s) + " is " + textOf(found.distance[s]) + ", not " + textOf(truth));
+    const uint32_t id = found.triangle[s];
+    require(id < mesh.triangles.size(), "the closest triangle of sample " + textOf(s) + " is " + textOf(id));
+    const glm::uvec3 t = mesh.triangles[id];
+    const double named =
+        reference::triangleDistance(p, mesh.position(t.x), mesh.position(t.y), mesh.position(t.z));
+    require(std::abs(named - truth) <= allowed, "triangle " + textOf(id) + " of sample " + textOf(s) +
+                                                    " lies at " + textOf(named) + ", not " + textOf(truth));
   }
-  requireEqual("times that each triangle is listed", listed, std::vector<int>(count, 1));
+}
+
+/// Checks that samples beyond the band have its width and no triangle.
+void requireBand(const ClosestResult& banded, const std::vector<float>& distances, float band) {
+  std::vector<float> clamped(distances);
+  for (float& d : clamped) d = std::min(d, band);
+  requireNear("distances in the band", banded.distance, clamped, 1e-5);
+  for (size_t s = 0; s < distances.size(); ++s)
+    require(
+        (banded.triangle[s] == kNoTriangle) == (distances[s] > band) || std::abs(distances[s] - band) < 1e-5f,
+        "the closest triangle of sample " + textOf(s) + " in the band is " + textOf(banded.triangle[s]));
 }
 
 std::vector<OwnCellMesh> surfaceMeshes() {
-  const auto onGrid = [](const Mesh& mesh, const GridOptions& options) {
-    return OwnCellMesh(mesh, fitGrid(mesh, options));
-  };
   std::vector<OwnCellMesh> meshes;
   for (const int count : {1, 9, 65, 513})
     meshes.push_back(onGrid(shapes::soup(count, unsigned(count)), {.resolution = 14}));
@@ -67,133 +58,25 @@ std::vector<OwnCellMesh> surfaceMeshes() {
 }
 
 void checkSurfaceTree(Subject& subject) {
-  SurfaceTreeStage tree(subject.probe.device());
-  for (const OwnCellMesh& mesh : surfaceMeshes()) {
-    const UploadedMesh uploaded = subject.probe.upload(mesh);
-    tree.reserve(uploaded.addresses().triangleCount);
-    subject.probe.run([&](Commands& commands) { tree.record(commands, uploaded.addresses(), mesh.dims); });
-    inCase(nameOf(mesh), [&] { checkTree(subject.probe, tree, mesh); });
-  }
-}
-
-/// Compares every `stride`-th sample with brute force in double precision.
-void requireExact(const CellMesh& cells, const Mesh& mesh, const std::vector<float>& distance,
-                  const std::vector<uint32_t>& triangle, size_t stride) {
-  const Box box = bounds(mesh);
-  const double allowed = 1e-6 * glm::length(box.size());
-  for (size_t s = 0; s < distance.size(); s += stride) {
-    const glm::dvec3 p(CellLattice{cells.dims}.cell(s));
-    const double truth = reference::distance(mesh, p);
-    require(std::abs(distance[s] - truth) <= allowed,
-            "distance of sample " + textOf(s) + " is " + textOf(distance[s]) + ", not " + textOf(truth));
-    require(triangle[s] < mesh.triangles.size(),
-            "the closest triangle of sample " + textOf(s) + " is " + textOf(triangle[s]));
-    const glm::uvec3 t = mesh.triangles[triangle[s]];
-    const double named =
-        reference::triangleDistance(p, mesh.position(t.x), mesh.position(t.y), mesh.position(t.z));
-    require(std::abs(named - truth) <= allowed, "triangle " + textOf(triangle[s]) + " of sample " +
-                                                    textOf(s) + " lies at " + textOf(named) + ", not " +
-                                                    textOf(truth));
-  }
+  for (const OwnCellMesh& mesh : surfaceMeshes()) checkTree(subject.surface, mesh, 1e-4);
 }
 
 void checkExactDistance(Subject& subject) {
-  const Probe& probe = subject.probe;
-  SurfaceTreeStage tree(probe.device());
-  ExactDistanceStage exact(probe.device());
-  for (const OwnCellMesh& mesh : surfaceMeshes()) {
-    const UploadedMesh uploaded = probe.upload(mesh);
-    DeviceBuffer distance(probe.device(), "distance"), triangle(probe.device(), "triangle");
-    const size_t samples = CellLattice{mesh.dims}.count();
-    distance.resize<float>(samples);
-    triangle.resize<uint32_t>(samples);
-    tree.reserve(uploaded.addresses().triangleCount);
-    exact.reserve(mesh.dims);
-    const auto measured = [&](double band) {
-      probe.run([&](Commands& commands) {
-        tree.record(commands, uploaded.addresses(), mesh.dims);
-        exact.record(commands, tree, band, {distance.address(), triangle.address()});
-      });
-      return probe.download<float>(distance);
-    };
-    inCase(nameOf(mesh), [&] {
-      const std::vector<float> found = measured(0.0);
-      requireExact(mesh, mesh.asMesh(), found, probe.download<uint32_t>(triangle),
-                   1 + samples * mesh.triangles.size() / 1000000);
-      requireEqual("distances the second time", measured(0.0), found);
-      constexpr float kBand = 2.0f;
-      std::vector<float> clamped(found);
-      for (float& d : clamped) d = std::min(d, kBand);
-      requireNear("distances in the band", measured(kBand), clamped, 1e-5);
-    });
-  }
+  for (const OwnCellMesh& mesh : surfaceMeshes()) checkClosest(subject.surface, mesh, 2.0f);
 }
 
 void checkDipoles(Subject& subject) {
-  const Probe& probe = subject.probe;
-  constexpr double kThreshold = 0.5;
-  SurfaceTreeStage tree(probe.device());
-  WindingDipolesStage dipoles(probe.device());
-  Mesh open = shapes::sphere(1.0, 3);
-  std::erase_if(open.triangles, [&](const glm::uvec3& t) { return open.position(t.x).z > 0.6; });
-  for (const Mesh& mesh : {shapes::soup(9, 5), shapes::soup(600, 6), open}) {
-    const OwnCellMesh cells(mesh, fitGrid(mesh, {.resolution = 14}));
-    const size_t samples = CellLattice{cells.dims}.count();
-    const UploadedMesh uploaded = probe.upload(cells);
-    const uint32_t count = uploaded.addresses().triangleCount;
-    const DeviceBuffer distance = probe.upload(std::vector<float>(samples, 0.0f), "distance");
-    const DeviceBuffer winding = probe.upload(std::vector<float>(samples, 0.5f), "winding");
-    const DeviceBuffer disagreeing = probe.upload<uint32_t>({1}, "disagreeing");
-    const DeviceBuffer change = probe.upload<float>({0.0f}, "change");
-    tree.reserve(count);
-    dipoles.reserve(count, cells.dims);
-    probe.run([&](Commands& commands) {
-      tree.record(commands, uploaded.addresses(), cells.dims);
-      dipoles.record(commands, tree,
-                     {distance.address(), winding.address(), disagreeing.address(), change.address()}, {},
-                     kThreshold);
-    });
-    const std::vector<float> found = probe.download<float>(winding);
-    const Mesh inCells = cells.asMesh();
-    const size_t stride = 1 + samples * count / 1000000;
-    inCase(nameOf(cells), [&] {
-      size_t wrong = 0, looked = 0;
-      for (size_t s = 0; s < samples; s += stride, ++looked) {
-        const double truth = reference::windingNumber(inCells, glm::dvec3(CellLattice{cells.dims}.cell(s)));
-        require(std::abs(found[s] - truth) < 0.06, "winding number of sample " + textOf(s) + " is " +
-                                                       textOf(found[s]) + ", not " + textOf(truth));
-        wrong += (std::abs(found[s]) > kThreshold) != (std::abs(truth) > kThreshold) ? 1 : 0;
-      }
-      require(wrong <= 1 + looked / 1000, textOf(wrong) + " of " + textOf(looked) +
-                                              " winding numbers lie on the wrong side of the threshold");
-    });
-  }
+  WindingDipolesStage dipoles(subject.probe.device());
+  for (const Mesh& mesh : {shapes::soup(9, 5), shapes::soup(600, 6), withoutCap(shapes::sphere(1.0, 3), 0.6)})
+    checkSettled(subject.surface, dipoles, onGrid(mesh, {.resolution = 14}));
 }
 
 void checkFaceSearch(Subject& subject) {
-  const Probe& probe = subject.probe;
-  Mesh open = shapes::sphere(1.0, 4);
-  std::erase_if(open.triangles, [&](const glm::uvec3& t) { return open.position(t.x).z > 0.9; });
-  Mesh doubled = open;
-  for (size_t f = 0; f < open.triangles.size(); f += 7) {
-    const glm::uvec3& t = open.triangles[f];
-    doubled.triangles.emplace_back(t.y, t.x, t.z);
-  }
-  for (const Mesh& mesh : {shapes::sphere(1.0, 4), open, doubled, shapes::soup(300, 8)}) {
-    FaceSearchStage search(probe.device());
-    searchFaces(probe, search, mesh);
-    const auto ends = [](const std::vector<RimEdge>& edges) {
-      std::vector<uint32_t> all;
-      for (const RimEdge& edge : edges) all.insert(all.end(), {edge.from, edge.to, edge.times});
-      return all;
-    };
-    requireEqual("rims", ends(findRimEdges(mesh, search.edges().value())), ends(findRimEdges(mesh, 0.1)));
-    const DoubleSidedFaces found = findDoubleSidedFaces(mesh, search.faces().value()),
-                           expected = findDoubleSidedFaces(mesh);
-    requireEqual("first double-sided faces", found.firsts, expected.firsts);
-    requireEqual("other double-sided faces", found.others, expected.others);
-    require(search.faces()->size() < expected.count() + 10, "the device lists too many faces");
-  }
+  FaceSearchStage search(subject.probe.device());
+  const Mesh open = withoutCap(shapes::sphere(1.0, 4), 0.9);
+  for (const Mesh& mesh :
+       {shapes::sphere(1.0, 4), open, withDoubledFaces(open, 0.15, 1), shapes::soup(300, 8)})
+    compareFaceSearch(subject.probe, search, mesh);
 }
 
 void checkFinish(Subject& subject) {
@@ -211,6 +94,94 @@ void checkFinish(Subject& subject) {
 }
 
 }  // namespace
+
+TreeOnHost checkTree(SurfaceProbe& probe, const CellMesh& mesh, double allowed) {
+  TreeOnHost tree = probe.tree(mesh);
+  const size_t count = mesh.triangles.size();
+  std::vector<int> listed(count);
+  inCase(nameOf(mesh), [&] {
+    for (size_t place = 0; place < count; ++place) {
+      const uint32_t id = tree.triangleId(place);
+      require(id < count, "place " + textOf(place) + " holds triangle " + textOf(id));
+      ++listed[id];
+      for (int corner = 0; corner < 3; ++corner)
+        for (uint32_t node = tree.leafOf(place);; node = (node - 1) / kTreeArity) {
+          const double distance = tree.distance(node, glm::dvec3(mesh.corner(id, corner)));
+          require(distance <= allowed, "triangle " + textOf(id) + " lies " + textOf(distance) +
+                                           " cells outside the disc of node " + textOf(node));
+          if (node == 0) break;
+        }
+    }
+    requireEqual("times that each triangle is listed", listed, std::vector<int>(count, 1));
+  });
+  return tree;
+}
+
+void checkClosest(SurfaceProbe& probe, const OwnCellMesh& mesh, float band, double looks) {
+  inCase(nameOf(mesh), [&] {
+    const ClosestResult found = probe.closest(mesh);
+    const double pairs = double(found.distance.size()) * double(mesh.triangles.size());
+    requireExact(mesh.asMesh(), mesh.dims, found, 1 + static_cast<size_t>(pairs / looks));
+    require(probe.closest(mesh) == found, "other distances or triangles the second time");
+    requireBand(probe.closest(mesh, band), found.distance, band);
+  });
+}
+
+void checkSettled(SurfaceProbe& probe, WindingDipolesStage& dipoles, const OwnCellMesh& mesh) {
+  constexpr double kThreshold = 0.5;
+  const std::vector<float> found =
+      probe.settle(dipoles, mesh, std::vector<float>(CellLattice{mesh.dims}.count(), 0.5f));
+  const Mesh inCells = mesh.asMesh();
+  inCase(nameOf(mesh), [&] {
+    size_t wrong = 0, looked = 0;
+    double sum = 0.0;
+    for (size_t s = 0; s < found.size(); s += 1 + found.size() * mesh.triangles.size() / 1000000, ++looked) {
+      const double truth = reference::windingNumber(inCells, glm::dvec3(CellLattice{mesh.dims}.cell(s)));
+      const double error = std::abs(found[s] - truth);
+      // Numbers near the threshold are computed more accurately.
+      require(error < (std::abs(std::abs(found[s]) - kThreshold) < 0.015 ? 0.005 : 0.05),
+              "winding number of sample " + textOf(s) + " is " + textOf(found[s]) + ", not " + textOf(truth));
+      wrong += (std::abs(found[s]) > kThreshold) != (std::abs(truth) > kThreshold) ? 1 : 0;
+      sum += error;
+    }
+    require(wrong <= 1 + looked / 1000, textOf(wrong) + " of " + textOf(looked) +
+                                            " winding numbers lie on the wrong side of the threshold");
+    require(sum < 0.008 * double(looked),
+            "winding numbers err by " + textOf(sum / double(looked)) + " on average");
+  });
+}
+
+void searchFaces(const Probe& probe, FaceSearchStage& search, const Mesh& mesh) {
+  MeshUpload upload(probe.device());
+  CellMeshStage cells(probe.device());
+  upload.fill(mesh);
+  const CellMeshStage::Source& source = upload.source();
+  cells.reserve(source.vertexCount, source.triangleCount);
+  search.reserve(source.vertexCount + 5, source.triangleCount + 7);
+  const Grid grid{.dims = glm::ivec3(1), .spacing = 1.0};
+  probe.run([&](Commands& commands) {
+    cells.record(commands, source, grid, 0.0, search.vertexHashes());
+    search.record(commands, cells.mesh());
+  });
+}
+
+void compareFaceSearch(const Probe& probe, FaceSearchStage& search, const Mesh& mesh) {
+  searchFaces(probe, search, mesh);
+  const auto ends = [](const std::vector<RimEdge>& edges) {
+    std::vector<uint32_t> all;
+    for (const RimEdge& edge : edges) all.insert(all.end(), {edge.from, edge.to, edge.times});
+    return all;
+  };
+  requireEqual("rims", ends(findRimEdges(mesh, search.edges().value())), ends(findRimEdges(mesh, 0.1)));
+  const DoubleSidedFaces found = findDoubleSidedFaces(mesh, search.faces().value()),
+                         expected = findDoubleSidedFaces(mesh);
+  requireEqual("first double-sided faces", found.firsts, expected.firsts);
+  requireEqual("other double-sided faces", found.others, expected.others);
+  requireEqual("groups of double-sided faces", found.groupOf, expected.groupOf);
+  requireEqual("repeated faces", found.repeated, expected.repeated);
+  require(search.faces()->size() < expected.count() + expected.repeated.size() + 10,
+          "the device lists too many faces");
+}
 
 std::span<const Check> checksOfSurface() {
   static constexpr Check kChecks[] = {{"surface_tree", checkSurfaceTree},

@@ -1,6 +1,8 @@
 #pragma once
 
 #include <algorithm>
+#include <ranges>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -31,19 +33,19 @@ class Probe {
 
   Device& device() const { return *device_; }
 
-  template <class T>
-  DeviceBuffer upload(const std::vector<T>& values, const std::string& name = "test") const {
+  template <std::ranges::contiguous_range Values>
+  DeviceBuffer upload(const Values& values, const std::string& name = "test") const {
+    using T = std::ranges::range_value_t<Values>;
     DeviceBuffer staging(*device_, name + " upload", MemoryUse::Upload), buffer(*device_, name);
-    staging.resize<T>(values.size());
-    buffer.resize<T>(values.size());
-    std::copy(values.begin(), values.end(), staging.mapped<T>().begin());
+    staging.resize<T>(std::ranges::size(values));
+    buffer.resize<T>(std::ranges::size(values));
+    std::ranges::copy(values, staging.mapped<T>().begin());
     run([&](Commands& commands) { commands.copy(staging, buffer, buffer.bytes()); });
     return buffer;
   }
 
   UploadedMesh upload(const CellMesh& mesh) const {
-    return {upload(std::vector<glm::vec3>(mesh.vertices.begin(), mesh.vertices.end()), "vertices"),
-            upload(std::vector<glm::uvec3>(mesh.triangles.begin(), mesh.triangles.end()), "triangles")};
+    return {upload(mesh.vertices, "vertices"), upload(mesh.triangles, "triangles")};
   }
 
   template <class T>

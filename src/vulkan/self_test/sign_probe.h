@@ -6,6 +6,7 @@
 
 #include "cpu/sign/crossings.h"
 #include "cpu/sign/ray_map.h"
+#include "method/cell_lattice.h"
 #include "vulkan/self_test/probe.h"
 #include "vulkan/stages/crossings.h"
 #include "vulkan/stages/ray_map.h"
@@ -15,16 +16,14 @@ namespace raymap::vulkan {
 
 /// Returns r along an axis, as the device holds it (vulkan/stages/ray_map.glsl).
 inline std::vector<int32_t> suffixSums(const cpu::RayMap& map, int axis) {
-  glm::ivec3 dims = map.dims;
-  ++dims[axis];
+  CellLattice edges{map.dims};
+  ++edges.dims[axis];
   std::vector<int32_t> sums;
-  for (glm::ivec3 s(0); s.z < dims.z; ++s.z)
-    for (s.y = 0; s.y < dims.y; ++s.y)
-      for (s.x = 0; s.x < dims.x; ++s.x) {
-        glm::ivec3 before = s;
-        --before[axis];
-        sums.push_back(map.ray(axis, before));
-      }
+  for (size_t e = 0; e < edges.count(); ++e) {
+    glm::ivec3 before = edges.cell(e);
+    --before[axis];
+    sums.push_back(map.ray(axis, before));
+  }
   return sums;
 }
 
@@ -42,31 +41,42 @@ class UploadedRays {
   std::array<DeviceBuffer, 3> sums_;
 };
 
+/// Returns the winding numbers that a stage makes of others, and checks that it makes the same again.
+template <class Values, class Record>
+std::vector<float> windingAfter(const Probe& probe, const cpu::RayMap& map, const Values& before,
+                                uint32_t doubtful, Record&& record) {
+  const UploadedRays rays(probe, map);
+  const DeviceBuffer count = probe.upload(std::vector{doubtful}, "doubtful");
+  std::array<std::vector<float>, 2> after;
+  for (std::vector<float>& winding : after) {
+    const DeviceBuffer values = probe.upload(before, "winding");
+    probe.run([&](Commands& commands) {
+      record(commands, WindingFields{rays.addresses(), values.address(), count.address()});
+    });
+    winding = probe.download<float>(values);
+  }
+  requireEqual("winding numbers the second time", after[1], after[0]);
+  return after[0];
+}
+
 /// A number for each lattice edge along each axis, as on the device (vulkan/stages/crossings.h).
 using EdgeCounts = std::array<std::vector<int32_t>, 3>;
-
-/// Calls `work(line, edge, index)` for all edges of an axis: `line` as the CPU numbers it.
-template <class Work>
-void forEachEdge(glm::ivec3 dims, int axis, Work&& work) {
-  const LineAxes across(axis);
-  const int nu = dims[across.u];
-  ++dims[axis];
-  size_t index = 0;
-  for (glm::ivec3 s(0); s.z < dims.z; ++s.z)
-    for (s.y = 0; s.y < dims.y; ++s.y)
-      for (s.x = 0; s.x < dims.x; ++s.x)
-        work(size_t(s[across.v]) * size_t(nu) + size_t(s[across.u]), s[axis], index++);
-}
 
 inline EdgeCounts edgeCounts(const cpu::Crossings& crossings, const glm::ivec3& dims) {
   EdgeCounts counts;
   for (int axis = 0; axis < 3; ++axis) {
     const cpu::AxisCrossings& from = crossings[size_t(axis)];
-    forEachEdge(dims, axis, [&](size_t line, int edge, size_t) {
-      int32_t& count = counts[size_t(axis)].emplace_back(0);
-      for (uint64_t e = from.starts[line]; e < from.starts[line + 1]; ++e)
-        if (from.entries[e].index + 1 == edge) count = from.entries[e].signedCount;
-    });
+    const LineAxes across(axis);
+    CellLattice edges{dims};
+    ++edges.dims[axis];
+    counts[size_t(axis)].resize(edges.count());
+    for (size_t line = 0; line + 1 < from.starts.size(); ++line)
+      for (uint64_t e = from.starts[line]; e < from.starts[line + 1]; ++e) {
+        glm::ivec3 at(from.entries[e].index + 1);
+        at[across.u] = int(line) % dims[across.u];
+        at[across.v] = int(line) / dims[across.u];
+        counts[size_t(axis)][edges.index(at)] = from.entries[e].signedCount;
+      }
   }
   return counts;
 }

@@ -33,6 +33,10 @@ struct OwnCellMesh : CellMesh {
   Mesh asMesh() const { return {{vertices.begin(), vertices.end()}, own, glm::dvec3(0.0)}; }
 };
 
+inline OwnCellMesh onGrid(const Mesh& mesh, const GridOptions& options) {
+  return {mesh, fitGrid(mesh, options)};
+}
+
 /// Returns random triangles of 0.02 to 20 cells, all over a grid of these dims and a little beyond.
 inline OwnCellMesh cellSoup(int count, glm::ivec3 dims, unsigned seed) {
   std::mt19937 random(seed);
