@@ -41,9 +41,7 @@ Settled settled(const Mesh& mesh, int resolution, WindingDipoles::Looks looks = 
 }
 
 Mesh openSphere() {
-  Mesh mesh = shapes::sphere(1.0, 4);
-  std::erase_if(mesh.triangles, [&](const glm::uvec3& t) { return mesh.position(t.x).z > 0.4; });
-  return mesh;
+  return withoutCap(shapes::sphere(1.0, 4), 0.4);
 }
 
 TEST(WindingDipoles, AreTheExactWindingNumber) {
@@ -52,22 +50,17 @@ TEST(WindingDipoles, AreTheExactWindingNumber) {
        {shapes::soup(1, 3), shapes::soup(5, 4), shapes::soup(9, 5), shapes::soup(1000, 6), openSphere()}) {
     const Settled result = settled(mesh, 16);
     double sum = 0.0;
+    size_t wrong = 0;
     for (size_t s = 0; s < result.winding.size(); ++s) {
       const double error = std::abs(result.winding[s] - result.exact(s));
+      wrong += (std::abs(result.winding[s]) > 0.5f) != (std::abs(result.exact(s)) > 0.5) ? 1 : 0;
       // Numbers near the threshold are computed more accurately.
       ASSERT_LT(error, std::abs(std::abs(result.winding[s]) - 0.5) < 0.015 ? 0.005 : 0.05);
       sum += error;
     }
     EXPECT_LT(sum / double(result.winding.size()), 0.008) << mesh.triangles.size() << " triangles";
+    EXPECT_LE(wrong, 1u);
   }
-}
-
-TEST(WindingDipoles, HaveTheSignOfTheExactNumber) {
-  const Settled result = settled(openSphere(), 24);
-  size_t wrong = 0;
-  for (size_t s = 0; s < result.winding.size(); ++s)
-    wrong += (std::abs(result.winding[s]) > 0.5f) != (std::abs(result.exact(s)) > 0.5);
-  EXPECT_LE(wrong, 1u);
 }
 
 TEST(WindingDipoles, ChangeOnlyTheSamplesAskedFor) {

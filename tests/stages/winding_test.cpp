@@ -6,7 +6,6 @@
 #include <cstring>
 
 #include "base/parallel.h"
-#include "curves.h"
 #include "shapes.h"
 #include "sign_scene.h"
 
@@ -161,41 +160,6 @@ TEST(Winding, NearTheGeneralizedNumberWithAFifthOfTheFacesMissing) {
   const Deviation harmonic = deviationOf(mesh, grid, SignMode::Harmonic);
   EXPECT_LT(harmonic.wrongSigns, 0.004);
   EXPECT_LT(harmonic.meanError, 0.03);
-}
-
-template <class Move>
-Mesh moved(const Mesh& mesh, Move&& move) {
-  std::vector<glm::dvec3> p;
-  for (uint32_t v = 0; v < mesh.vertices.size(); ++v) p.push_back(move(mesh.position(v)));
-  return makeMesh(p, mesh.triangles);
-}
-
-/// Compares the field with that of the moved mesh, at the samples that `move` links.
-template <class Move>
-void expectMovesAlong(const Mesh& mesh, Move&& move, SignMode mode, float tolerance) {
-  const Grid grid = unitGrid({25, 25, 25});
-  const Buffer<float> before = windingOf(mesh, grid, mode).winding;
-  const Buffer<float> after = windingOf(moved(mesh, move), grid, mode).winding;
-  for (int k = 4; k < 21; ++k)
-    for (int j = 4; j < 21; ++j)
-      for (int i = 4; i < 21; ++i) {
-        const glm::ivec3 s(i, j, k), to(glm::round(move(glm::dvec3(s))));
-        ASSERT_NEAR(before[grid.index(s)], after[grid.index(to)], tolerance) << i << " " << j << " " << k;
-      }
-}
-
-TEST(Winding, FollowsTheMesh) {
-  const Mesh mesh = exactSoup(60, 5, glm::ivec3(4), glm::ivec3(16));
-  const auto shift = [](const glm::dvec3& p) { return p + glm::dvec3(2, -1, 3); };
-  const auto turn = [](const glm::dvec3& p) { return glm::dvec3(24.0 - p.y, p.x, p.z); };
-  const auto relabel = [](const glm::dvec3& p) { return glm::dvec3(p.y, p.z, p.x); };
-  expectMovesAlong(mesh, shift, SignMode::Rays, 0.0f);
-  expectMovesAlong(mesh, turn, SignMode::Rays, 1e-6f);
-  expectMovesAlong(mesh, relabel, SignMode::Rays, 1e-6f);
-  // The coarse lattices lie differently, so the fields differ by the residual of one V-cycle.
-  expectMovesAlong(mesh, shift, SignMode::Harmonic, 0.35f);
-  expectMovesAlong(mesh, turn, SignMode::Harmonic, 0.35f);
-  expectMovesAlong(mesh, relabel, SignMode::Harmonic, 0.35f);
 }
 
 TEST(Winding, TheOrderOfTrianglesDoesNotMatter) {
