@@ -108,10 +108,10 @@ def test(folder, device):
         if result.returncode not in (0, 9):
             mark = next((path.read_text() for path in Path(cache).glob("*.running")), "(none)")
             return [(mark, f"the process ended with code {result.returncode}")]
-    found = json.loads(result.stdout)[0]
-    failed = [(check["name"], check["difference"]) for check in found["checks"] if not check["passed"]]
-    if not failed and "test_problem" in found:
-        failed = [tuple(found["test_problem"].split(": ", 1))]
+    found = json.loads(result.stdout)["tests"][0]
+    failed = [(check["name"], check["difference"]) for check in found["checks"] if check["difference"]]
+    if not failed and found["problem"]:
+        failed = [tuple(found["problem"].split(": ", 1))]
     return failed
 
 

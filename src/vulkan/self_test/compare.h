@@ -1,6 +1,6 @@
 #pragma once
 
-// Comparisons of stages with the CPU's, on any mesh. Each throws a `Difference`.
+// Comparisons of stages with the CPU's, or with brute force, on any mesh. Each throws a `Difference`.
 
 #include <raymap/animation.h>
 #include <raymap/options.h>
