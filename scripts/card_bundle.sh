@@ -10,11 +10,11 @@ cd "$(dirname "${BASH_SOURCE[0]}")/.."
 scripts/install.sh --bench
 build=build/card
 bundle=build/card_bundle
-programs=(raymap stages_tests vulkan_tests gpu_bench)
+programs=(raymap vulkan_tests gpu_bench)
 most_megabytes=40
 
 cmake --preset release -B "$build" -DRAYMAP_OPENVDB=OFF -DRAYMAP_ASSIMP=OFF -DRAYMAP_DRACO=OFF -DRAYMAP_VIEW=OFF -DRAYMAP_BUILD_BENCH=ON
-cmake --build "$build" --target raymap_cli stages_tests vulkan_tests gpu_bench
+cmake --build "$build" --target raymap_cli vulkan_tests gpu_bench
 rm -rf "$bundle"
 mkdir -p "$bundle"/{bin,lib,spare,meshes}
 for program in "${programs[@]}"; do strip -o "$bundle/bin/$program" "$build/bin/$program"; done

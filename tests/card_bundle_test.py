@@ -212,7 +212,7 @@ class RunBundle(InAFolder):
         self.assertEqual(self.run_bundle()[0], 2)
         code, output = self.run_bundle(self.folder / "out", "device")
         self.assertEqual(code, 2)
-        self.assertIn("there is no step 'device', only devices, stages_tests", output)
+        self.assertIn("there is no step 'device', only devices, vulkan_tests_1", output)
         (self.folder / "bin").mkdir()
         code, output = self.run_bundle(self.folder, "devices")
         self.assertEqual((code, output), (2, f"run.sh: {self.folder} holds other files; name a new folder\n"))

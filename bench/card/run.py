@@ -23,7 +23,7 @@ STEP_SECONDS = 480  # No step takes longer.
 MEASURED_SHARE = 7 / 8  # Share of a step's time for its work, so that it can report before it is ended.
 LEAST_SECONDS = 20  # A step is not begun with less.
 QUICK_TESTS = ("*VulkanScan*", "VulkanDevice*", "VulkanBuffer*", "VulkanCommands*", "VulkanDispatch*",
-               "VulkanPipelines*", "VulkanFinish*")
+               "VulkanPipelines*")
 
 Step = collections.namedtuple("Step", "name what command")
 
@@ -48,12 +48,10 @@ def steps_of(device, is_quick):
 
     largest = "scan" if is_quick else "million"
     vulkan = QUICK_TESTS if is_quick else ("*",)
-    parts = 8 if is_quick else 1
     return [
         Step("devices", "raymap devices --test: small versions of all stages, compared with the CPU",
              [BUNDLE / "bin/raymap", "devices", "--test", *([device] if device else [])]),
-        tests("stages_tests", "tests that compare single stages with the CPU", "stages_tests", ("*Vulkan*",), 1, parts),
-        tests("vulkan_tests_1", "one half of all other tests of the GPU", "vulkan_tests", vulkan, 1, 2),
+        tests("vulkan_tests_1", "one half of the tests of the GPU", "vulkan_tests", vulkan, 1, 2),
         tests("vulkan_tests_2", "the other half", "vulkan_tests", vulkan, 2, 2),
         tables("fields", "tables of whole fields, stages and the harmonic solve", "fields", "stages", "solve", "coarse"),
         tables("counted-scan", "counted work beside measured times, 80 k triangles", "counted-scan"),

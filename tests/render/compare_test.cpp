@@ -249,7 +249,8 @@ std::vector<std::pair<Field, Field>> somePairs() {
 
 TEST(CompareBands, FindsWhatTheDenseFieldsDiffer) {
   size_t tiles = 0, differences = 0;
-  for (const auto& [a, b] : somePairs()) {
+  for (const auto& pair : somePairs()) {
+    const Field &a = pair.first, &b = pair.second;
     tiles += std::min(a.narrow->tiles.size(), b.narrow->tiles.size());
     const Field fieldA = toDense(a), fieldB = toDense(b);
     for (const FieldArray array :

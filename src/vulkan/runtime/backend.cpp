@@ -99,7 +99,7 @@ size_t Backend::submitPart() {
 
 void Backend::exactDistance() {
   isDistanceDue_ = extent().castsRaysFirst;
-  if (!isDistanceDue_) StageRecorder::exactDistance();
+  if (!isDistanceDue_) recordExactDistance();
 }
 
 void Backend::recordDueDistance() {
@@ -107,7 +107,7 @@ void Backend::recordDueDistance() {
   const char* const stage = openStage_;
   stopStage();
   startStage(kDistanceStage);
-  StageRecorder::exactDistance();
+  recordExactDistance();
   submitPart();
   stopStage();
   startStage(stage);

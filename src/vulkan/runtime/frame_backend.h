@@ -33,6 +33,7 @@ class FrameBackend : public StageRecorder {
     work();
   }
   void begin();
+  void exactDistance() { recordExactDistance(); }
   /// Takes no rims, for the host does not know the mesh.
   void winding(SignMode mode) {
     recordRays(mode);

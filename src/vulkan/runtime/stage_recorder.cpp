@@ -85,7 +85,7 @@ void StageRecorder::recordFaceSearch() {
   faceSearch_.record(*commands_, mesh_.mesh());
 }
 
-void StageRecorder::exactDistance() {
+void StageRecorder::recordExactDistance() {
   exactDistance_.record(*commands_, surfaceTree(), options_->band,
                         {.distance = results_.distance, .triangle = results_.triangle});
 }

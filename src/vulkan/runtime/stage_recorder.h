@@ -42,7 +42,6 @@ class StageRecorder {
   void distanceTransform();
   void refine();
   void rasterDistance();
-  void exactDistance();
   void crossings();
   void rayMap();
   void sign();
@@ -100,6 +99,7 @@ class StageRecorder {
   /// Sets the addresses of the results; called after `reserve`.
   void setResults(const Results& results);
   void recordMesh(const CellMeshStage::Source& source);
+  void recordExactDistance();
   /// Records the search in the mesh that was recorded last.
   void recordFaceSearch();
   const FaceSearchStage& faceSearch() const { return faceSearch_; }

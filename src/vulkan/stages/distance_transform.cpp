@@ -87,7 +87,7 @@ void DistanceTransformStage::pass(Commands& commands, Kernel<Push>& kernel, int 
   Push push = pushOf(squared, from, to);
   push.lines = std::bit_floor(fit);
   push.segments = segments;
-  const uint64_t groups = uint64_t{ceilDiv(dims.x, push.lines)} * (axis == 1 ? dims.z : dims.y);
+  const uint64_t groups = ceilDiv(dims.x, push.lines) * (axis == 1 ? dims.z : dims.y);
   commands.dispatch(kernel, push, groups * groupSize_);
 }
 
