@@ -727,9 +727,11 @@ class ViewTest(unittest.TestCase):
         recorded = self.folder / "recorded"
 
         def memory(frames):
-            """Returns kilobytes after so many frames, each with a field of its own."""
+            """Returns kilobytes after so many frames, each with a field of its own. The system may take pages of files
+            and of memory away, and bring them back: the former do not count, the latter wherever they are."""
             window.until(lambda: recorded.exists() and recorded.stat().st_size >= 3 * width * height * frames)
-            return int(pathlib.Path(f"/proc/{window.process.pid}/status").read_text().split("VmRSS:")[1].split()[0])
+            status = pathlib.Path(f"/proc/{window.process.pid}/status").read_text()
+            return sum(int(status.split(f"{name}:")[1].split()[0]) for name in ("RssAnon", "RssShmem", "VmSwap"))
 
         # A leak makes every part grow. Threads and the driver reserve memory in some parts only.
         most, held = 200, [memory(100)]  # 2 kB a frame; its picture alone has 9
