@@ -42,6 +42,10 @@ class CountedBackend : public vulkan::Backend {
     counter_->setStage(name);
     Backend::startStage(name);
   }
+  void stopStage() override {
+    Backend::stopStage();
+    counter_->setStage(kReadBack);
+  }
 
  private:
   vulkan::WorkCounter* counter_;

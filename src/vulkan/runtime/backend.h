@@ -28,7 +28,7 @@ class Backend : public StageRecorder, private RecordingListener {
   }
   /// Uploads the mesh and sizes the field.
   void begin();
-  /// Of few samples, leaves the distances to `winding`.
+  /// Records nothing in a small grid: `winding` then records the distances, after the rays.
   void exactDistance();
   /// Lets the host look for rims if rays disagree.
   void winding(SignMode mode);
@@ -69,13 +69,13 @@ class Backend : public StageRecorder, private RecordingListener {
  protected:
   /// Names the stage of what is recorded from now on.
   virtual void startStage(const char* name);
+  virtual void stopStage();
 
  private:
   void searchFaces();
   size_t submitPart();
   void recordDueDistance();
   void searchRims(SignMode mode);
-  void stopStage();
   /// Runs all recorded work, and meanwhile `work` on the host.
   template <class Work>
   void runBeside(Work&& work);
@@ -99,7 +99,7 @@ class Backend : public StageRecorder, private RecordingListener {
   Device* device_;
   std::optional<Job> job_;
   const char* openStage_ = nullptr;
-  size_t faceSearchPart_ = 0;  ///< Of the command buffer.
+  size_t faceSearchPart_ = 0;  ///< Part of the command buffer that searches for faces.
   bool isDistanceDue_ = false;
   std::optional<double> doubtfulShare_;  ///< Empty until it is read.
   RimLattices rims_;
