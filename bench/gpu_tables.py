@@ -14,10 +14,10 @@ EXTENSIONS = {".obj", ".ply", ".stl", ".off", ".gltf", ".glb", ".3mf", ".fbx", "
 
 # Most milliseconds allowed on an NVIDIA H200, by setting, whether the mesh is `million`, and resolution.
 AIMS = {
-    ("exact+harmonic", False): {50: 0.7, 128: 1.6, 256: 4, 512: 14},
-    ("cell+rays", False): {50: 0.22, 128: 0.4, 256: 1.3, 512: 7.5},
-    ("exact+harmonic", True): {256: 12},
-    ("cell+rays", True): {256: 2.5},
+    ("exact+harmonic", False): {50: 0.5, 128: 1.5, 256: 3, 512: 12},
+    ("cell+rays", False): {50: 0.15, 128: 0.3, 256: 1, 512: 6},
+    ("exact+harmonic", True): {256: 8},
+    ("cell+rays", True): {256: 2},
 }
 SOLVE_AIM = {256: 1.0}  # Milliseconds that the harmonic solve may add on a broken mesh.
 ON_THE_BUS = ("begin", "read_back")  # Stages that the totals leave out.
