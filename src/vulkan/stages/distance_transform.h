@@ -16,8 +16,8 @@ class DistanceTransformStage {
   /// Reserves memory for grids of these dims. All previously recorded work must have completed. Throws
   /// `Error(Unsupported)` if a line of cells does not fit into the memory that a work group shares.
   void reserve(const glm::ivec3& dims);
-  /// Works on the grid of the last `reserve`. `squared` holds the values f(q) of the stage `cell_distance`,
-  /// which are at most 3/4.
+  /// Works on the grid of the last `reserve`. `squared` holds the values f(q) of the stage `cell_distance`
+  /// or `raster_distance`, which are at most 3/4.
   void record(Commands& commands, VkDeviceAddress squared);
 
   /// Address of the index of every cell's nearest cell, or `kNoCell`.

@@ -21,8 +21,9 @@ class FaceSearchStage {
 
   /// Reserves memory for meshes of at most this size. All previously recorded work must have completed.
   void reserve(uint32_t vertices, uint32_t triangles);
-  /// Where the hashes of the vertices' positions belong, which `CellMeshStage::record` writes before.
+  /// Returns the address of one 64-bit hash per vertex. `CellMeshStage::record` writes them.
   VkDeviceAddress vertexHashes() const { return vertexHashes_.address(); }
+  /// Records the search in a mesh whose hashes are written.
   void record(Commands& commands, const DeviceMesh& mesh);
 
   // Valid when the work is done, and empty if there are more than are listed:
