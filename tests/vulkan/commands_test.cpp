@@ -122,5 +122,28 @@ TEST_F(VulkanCommands, PausesWhenMuchWorkIsRecorded) {
   for (uint32_t i = 0; i < kCount; ++i) ASSERT_EQ(found[i], 7 + i / 128) << i;
 }
 
+TEST_F(VulkanCommands, SubmitsMorePartsThanItHasBuffers) {
+  constexpr uint32_t kParts = 11;
+  DeviceBuffer value(device(), "value"), seen(device(), "seen", MemoryUse::ReadBack);
+  value.resize<uint32_t>(1);
+  seen.resize<uint32_t>(kParts);
+  CommandBuffer buffer(device());
+  for (const uint32_t first : {1U, 100U}) {  // Parts are numbered from 0 again.
+    Commands commands = buffer.begin();
+    for (uint32_t part = 0; part < kParts; ++part) {
+      commands.fill(value, first + part);
+      commands.copyPart(value, 0, seen, part * sizeof(uint32_t), sizeof(uint32_t));
+      EXPECT_EQ(buffer.submitPart(commands), part);
+      if (first == 1 && part % 3 == 0) {
+        buffer.waitForPart(part);
+        EXPECT_EQ(seen.mapped<uint32_t>()[part], first + part);
+      }
+    }
+    buffer.waitForPart(0);
+    buffer.submitAndWait();
+    for (uint32_t part = 0; part < kParts; ++part) EXPECT_EQ(seen.mapped<uint32_t>()[part], first + part);
+  }
+}
+
 }  // namespace
 }  // namespace raymap::vulkan
