@@ -7,6 +7,7 @@
 
 #include "shaders/count_runs.h"
 #include "shaders/count_runs_spv.h"
+#include "shaders/dispatch_arguments_spv.h"
 #include "shaders/number_invocations.h"
 #include "shaders/number_invocations_spv.h"
 #include "vulkan/device/dispatch_limits.h"
@@ -31,18 +32,17 @@ class VulkanDispatch : public VulkanTest {
 TEST_F(VulkanDispatch, DispatchesWhatTheDeviceCounted) {
   const uint32_t groupSize = 32;
   NumberKernel kernel(device(), shaders::kNumberInvocations, groupSize, {7});
-  DispatchArguments arguments(device(), "arguments", 2);
+  DispatchArguments arguments(device(), "arguments");
+  arguments.reserve({.most = 3000000, .itemsPerGroup = groupSize, .mostGroups = UINT32_MAX});
   for (const uint32_t count : {0U, 1U, kMaxGroups * groupSize + 1}) {
     DeviceBuffer buffer(device(), "groups");
     buffer.resize<uint32_t>(3000000);
     const DeviceBuffer counted = upload(std::vector<uint32_t>{count}, "count");
     run([&](Commands& commands) {
       commands.fill(buffer, 0);
-      arguments.record(
-          commands, 1,
-          {.count = {.most = 3000000, .address = counted.address()}, .itemsPerGroup = groupSize});
+      arguments.record(commands, counted.address());
       arguments.dispatch(commands, kernel,
-                         {.groups = buffer.address(), .count = 3000000, .groupSize = groupSize}, 1);
+                         {.groups = buffer.address(), .count = 3000000, .groupSize = groupSize});
     });
     const std::vector<uint32_t> groups = download<uint32_t>(buffer);
     const uint32_t all = (count + groupSize - 1) / groupSize;
@@ -56,25 +56,18 @@ TEST_F(VulkanDispatch, SplitsWhatTheDeviceCounted) {
   constexpr uint32_t kSize = 16, kMost = 5, kCapacity = 30 * kSize;
   NumberKernel kernel(device(), shaders::kNumberInvocations, kSize, {1});
   DispatchArguments arguments(device(), "arguments");
-  arguments.reserve(5);
-  for (const uint32_t groups : {0u, 1u, 4u, 5u, 6u, 15u, 19u, 20u}) {
+  arguments.reserve({.most = 20 * kSize, .itemsPerGroup = kSize, .mostGroups = kMost});
+  for (const uint32_t groups : {0u, 1u, 4u, 5u, 6u, 15u, 19u, 20u, 21u}) {
     DeviceBuffer numbers(device(), "groups");
     numbers.resize<uint32_t>(kCapacity);
     const DeviceBuffer counted = upload(std::vector<uint32_t>{groups * kSize}, "count");
     run([&](Commands& commands) {
       commands.fill(numbers, 0);
-      arguments.record(commands, 1,
-                       {.count = {.most = kCapacity, .address = counted.address()},
-                        .itemsPerGroup = kSize,
-                        .parts = 4,
-                        .mostGroups = kMost});
-      for (uint32_t part = 0; part < 4; ++part)
-        arguments.dispatch(
-            commands, kernel,
-            {.groups = numbers.address(), .count = kCapacity, .groupSize = kSize, .firstGroup = part * kMost},
-            1 + part, part > 0);
+      arguments.record(commands, counted.address());
+      arguments.dispatch(commands, kernel,
+                         {.groups = numbers.address(), .count = kCapacity, .groupSize = kSize});
     });
-    expectGroups(numbers, kSize, uint64_t{groups} * kSize);
+    expectGroups(numbers, kSize, uint64_t{std::min(groups, 20u)} * kSize);
   }
 }
 
@@ -116,17 +109,15 @@ TEST_F(VulkanDispatch, RunsEveryGroupOfLargePartsOnce) {
   for (const uint32_t most : {kMostGroups, kMaxGroups}) {
     const uint32_t groups = (kParts - 1) * most + 3, listed = groups + kParts;
     const DeviceBuffer counted = upload(std::vector<uint32_t>{groups}, "count");
-    DispatchArguments arguments(device(), "arguments", kParts);
+    DispatchArguments arguments(device(), "arguments");
+    arguments.reserve({.most = groups, .mostGroups = most});
     Gate gate(device(), "gate");
     gate.plan(std::array{uint64_t{groups}}, most);
     const DeviceBuffer bySize = upload(std::vector<uint32_t>(listed)),
                        byGate = upload(std::vector<uint32_t>(listed));
     run([&](Commands& commands) {
-      arguments.record(
-          commands, 0,
-          {.count = {.most = groups, .address = counted.address()}, .parts = kParts, .mostGroups = most});
-      for (uint32_t part = 0; part < kParts; ++part)
-        arguments.dispatch(commands, kernel, {bySize.address(), listed, part * most}, part, part > 0);
+      arguments.record(commands, counted.address());
+      arguments.dispatch(commands, kernel, {bySize.address(), listed, 0});
       gate.record(commands, counted.address());
       gate.dispatch(commands, kernel, {byGate.address(), listed, 0}, 0);
     });
@@ -137,16 +128,20 @@ TEST_F(VulkanDispatch, RunsEveryGroupOfLargePartsOnce) {
   }
 }
 
-TEST_F(VulkanDispatch, RefusesPartsWhoseSurplusGroupsWouldRunTwice) {
-  DispatchArguments arguments(device(), "arguments", 2);
+TEST_F(VulkanDispatch, RefusesPartsOfAKernelThatDoesNotNumberItsGroups) {
+  DispatchArguments arguments(device(), "arguments");
+  arguments.reserve({.most = kMostGroups + 1});
+  Kernel<DispatchArgumentsPush> kernel(device(), shaders::kDispatchArguments, 32);
   CommandBuffer buffer(device());
   Commands commands = buffer.begin();
-  EXPECT_NO_THROW(arguments.record(commands, 0, {.count = {.most = 1}, .mostGroups = kMaxGroups + 1}));
-  EXPECT_NO_THROW(
-      arguments.record(commands, 0, {.count = {.most = 1}, .parts = 2, .mostGroups = kMaxGroups}));
-  EXPECT_THROW(
-      arguments.record(commands, 0, {.count = {.most = 1}, .parts = 2, .mostGroups = kMaxGroups + 1}),
-      std::logic_error);
+  EXPECT_THROW(arguments.dispatch(commands, kernel, {}), std::logic_error);
+}
+
+TEST_F(VulkanDispatch, RefusesPartsWhoseSurplusGroupsWouldRunTwice) {
+  DispatchArguments arguments(device(), "arguments");
+  EXPECT_NO_THROW(arguments.reserve({.most = kMaxGroups + 1, .mostGroups = kMaxGroups + 1}));
+  EXPECT_NO_THROW(arguments.reserve({.most = kMaxGroups + 2, .mostGroups = kMaxGroups}));
+  EXPECT_THROW(arguments.reserve({.most = kMaxGroups + 2, .mostGroups = kMaxGroups + 1}), std::logic_error);
   Gate gate(device(), "gate");
   EXPECT_NO_THROW(gate.plan(std::array{uint64_t{kMaxGroups} + 1}, kMaxGroups + 1));
   EXPECT_NO_THROW(gate.plan(std::array{uint64_t{kMaxGroups} + 1}, kMaxGroups));

@@ -10,11 +10,9 @@ class VulkanRadixSort : public VulkanTest, public ::testing::WithParamInterface<
 
 TEST_P(VulkanRadixSort, SortsLikeTheStandardLibrary) {
   const Probe probe(device());
-  compareRadixSort(probe, GetParam(), 1, 32);
+  compareRadixSort(probe, GetParam(), 32);
   const uint32_t count = std::min(GetParam(), 200000U);
-  for (const uint32_t bits : {3U, 11U, 17U}) compareRadixSort(probe, count, 1, bits);
-  compareRadixSort(probe, count, 1, 24, 70000);
-  for (const uint32_t bits : {45U, 64U}) compareRadixSort(probe, count, 2, bits);
+  for (const uint32_t bits : {3U, 11U, 17U}) compareRadixSort(probe, count, bits);
 }
 
 INSTANTIATE_TEST_SUITE_P(Sizes, VulkanRadixSort,
@@ -29,8 +27,8 @@ TEST_F(VulkanRadixSortLimits, RefuseMoreKeysOrBitsThanReserved) {
   sort.reserve(10);
   CommandBuffer own(device());
   Commands commands = own.begin();
-  EXPECT_THROW(sort.record(commands, {}, {}, {.most = 11}, 32), std::logic_error);
-  EXPECT_THROW(sort.record(commands, {}, {}, {.most = 10}, 33), std::logic_error);
+  EXPECT_THROW(sort.record(commands, {}, {}, 11, 32), std::logic_error);
+  EXPECT_THROW(sort.record(commands, {}, {}, 10, 33), std::logic_error);
   EXPECT_THROW(sort.reserve(0x40000001U), std::logic_error);
 }
 

@@ -150,18 +150,20 @@ TEST_F(VulkanWorkCounter, TellsPartsOfADispatch) {
 
 TEST_F(VulkanWorkCounter, NumbersStepsAndSubmissions) {
   const CountedLoopsPush loops = push(1, 0, 3 * kGroup);
-  DispatchArguments arguments(device(), "arguments", 1);
+  DispatchArguments arguments(device(), "arguments");
+  arguments.reserve({.most = 3 * kGroup, .itemsPerGroup = kGroup});
+  const DeviceBuffer count = upload(std::vector<uint32_t>{3 * kGroup}, "count");
   counter_->clear();
   counter_->setStage("first");
   run([&](Commands& commands) {
     commands.fill(values_, 0);
     commands.concurrent([&] {
-      arguments.record(commands, 0, {.count = {.most = 3 * kGroup}, .itemsPerGroup = kGroup});
+      arguments.record(commands, count.address());
       commands.dispatch(*loops_, loops, kGroup + 1);
     });
   });
   counter_->setStage("second");
-  run([&](Commands& commands) { arguments.dispatch(commands, *loops_, loops, 0); });
+  run([&](Commands& commands) { arguments.dispatch(commands, *loops_, loops); });
   const std::vector<CountedCommand>& commands = counter_->commands();
   ASSERT_EQ(commands.size(), 4u);
   const char* const names[] = {"fill", "dispatch_arguments", "unknown shader", "unknown shader"};
@@ -190,7 +192,8 @@ TEST_F(VulkanCommandTimes, AddUpToThatOfTheStage) {
   DeviceBuffer values(device, "values"), sums(device, "sums");
   values.resize<uint32_t>(1000);
   sums.resize<uint32_t>(kGroup);
-  DispatchArguments arguments(device, "arguments", 1);
+  DispatchArguments arguments(device, "arguments");
+  arguments.reserve({.most = kGroup, .itemsPerGroup = kGroup});
   Kernel<CountedLoopsPush> loops(device, shaders::kCountedLoops, kGroup);
   const CountedLoopsPush push{.values = values.address(), .sums = sums.address(), .first = 1000, .more = 0};
   CommandBuffer buffer(device);
@@ -200,9 +203,9 @@ TEST_F(VulkanCommandTimes, AddUpToThatOfTheStage) {
     Commands commands = buffer.begin();
     commands.fill(values, turn + 1);
     commands.startStage("loops");
-    arguments.record(commands, 0, {.count = {.most = kGroup}, .itemsPerGroup = kGroup});
+    arguments.record(commands, values.address());
     commands.dispatch(loops, push, kGroup);
-    arguments.dispatch(commands, loops, push, 0);
+    arguments.dispatch(commands, loops, push);
     commands.stopStage();
     buffer.submitAndWait();
     const std::vector<CountedCommand>& found = timer.commands();

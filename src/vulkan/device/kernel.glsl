@@ -32,8 +32,3 @@ uint ceilDiv(uint a, uint b) {
 // Stands for a distance or coordinate that there is none of yet: the largest float. Devices need not support
 // infinity.
 const float kLargestFloat = 3.402823466e38;
-
-// Returns the number at `address`, at most `most`; if the address is 0, the host knows the number: `most`.
-uint readCount(Uints address, uint most) {
-  return uint64_t(address) == 0 ? most : min(address.at[0], most);
-}

@@ -1,8 +1,9 @@
 #include "vulkan/primitives/dispatch_arguments.h"
 
-#include <cstddef>
+#include <algorithm>
 #include <stdexcept>
 
+#include "base/ceil_div.h"
 #include "shaders/dispatch_arguments_spv.h"
 
 namespace raymap::vulkan {
@@ -13,28 +14,30 @@ namespace {
 constexpr uint32_t kGroupSize = 32;
 }  // namespace
 
-DispatchArguments::DispatchArguments(Device& device, const std::string& name, uint32_t entries)
-    : kernel_(device, shaders::kDispatchArguments, kGroupSize), entries_(device, name) {
-  reserve(entries);
-}
+DispatchArguments::DispatchArguments(Device& device, const std::string& name)
+    : kernel_(device, shaders::kDispatchArguments, kGroupSize), entries_(device, name) {}
 
-void DispatchArguments::record(Commands& commands, uint32_t index, const Entry& entry) {
-  if (entry.parts > 1 && entry.mostGroups > kMaxGroups && entry.mostGroups % kMaxGroups != 0)
+void DispatchArguments::reserve(const Work& work) {
+  work_ = work;
+  parts_ = static_cast<uint32_t>(
+      std::max(ceilDiv(ceilDiv(work.most, work.itemsPerGroup), work.mostGroups), uint64_t{1}));
+  if (parts_ > 1 && work.mostGroups > kMaxGroups && work.mostGroups % kMaxGroups != 0)
     throw std::logic_error("surplus groups of a part would be groups of the next one");
-  const DispatchArgumentsPush push{.count = entry.count.address,
-                                   .entry = entries_.address() + index * sizeof(DispatchArgumentsEntry),
-                                   .most = entry.count.most,
-                                   .itemsPerGroup = entry.itemsPerGroup,
-                                   .fewestGroups = entry.fewestGroups,
-                                   .scale = entry.scale,
-                                   .parts = entry.parts,
-                                   .mostGroups = entry.mostGroups};
-  commands.dispatch(kernel_, push, entry.parts);
+  entries_.resize<VkDispatchIndirectCommand>(parts_);
 }
 
-VkDeviceAddress DispatchArguments::scaledGroups(uint32_t index) const {
-  return entries_.address() + index * sizeof(DispatchArgumentsEntry) +
-         offsetof(DispatchArgumentsEntry, scaledGroups);
+void DispatchArguments::record(Commands& commands, VkDeviceAddress count) {
+  const DispatchArgumentsPush push{.count = count,
+                                   .entries = entries_.address(),
+                                   .most = work_.most,
+                                   .itemsPerGroup = work_.itemsPerGroup,
+                                   .mostGroups = work_.mostGroups,
+                                   .parts = parts_};
+  commands.dispatch(kernel_, push, parts_);
+}
+
+void DispatchArguments::throwUnnumbered() {
+  throw std::logic_error("a kernel whose groups are not numbered runs in several dispatches");
 }
 
 }  // namespace raymap::vulkan

@@ -5,44 +5,39 @@
 
 namespace raymap::vulkan {
 
-/// Number of elements: `most`, or the number at `address` on the device, at most `most`.
-struct Count {
-  uint32_t most = 0;
-  VkDeviceAddress address = 0;  ///< 0 if the host knows the number.
-};
-
-/// Arguments of dispatches over counts that only the device knows.
+/// Arguments of a dispatch over a number of items that only the device knows. Many groups become several
+/// dispatches, whose groups `firstGroup` of the push constants numbers on.
 class DispatchArguments {
  public:
-  /// Number of groups: ceil(count / itemsPerGroup), at least `fewestGroups`. The number of groups times
-  /// `scale` is stored too, for further counts.
-  struct Entry {
-    Count count;
+  struct Work {
+    uint32_t most = 0;  ///< Items.
     uint32_t itemsPerGroup = 1;
-    uint32_t fewestGroups = 0;
-    uint32_t scale = 1;
-    uint32_t parts = 1;  ///< Number of entries to write, from `index` on.
-    uint32_t mostGroups =
-        UINT32_MAX;  ///< Groups of each of them but the last; above kMaxGroups a multiple of it.
+    uint32_t mostGroups = kMostGroups;  ///< Of one dispatch.
   };
 
-  DispatchArguments(Device& device, const std::string& name, uint32_t entries = 1);
+  DispatchArguments(Device& device, const std::string& name);
 
   /// Reserves memory. All previously recorded work must have completed.
-  void reserve(uint32_t entries) { entries_.resize<DispatchArgumentsEntry>(entries); }
-  /// Records the write of one entry, or of its parts. Different entries may be written concurrently.
-  void record(Commands& commands, uint32_t index, const Entry& entry);
-  /// With `isMore` it may run at the same time as the command before.
+  void reserve(const Work& work);
+  /// Reads the number of items, for the dispatches recorded after it.
+  void record(Commands& commands, VkDeviceAddress count);
   template <class Push>
-  void dispatch(Commands& commands, Kernel<Push>& kernel, const Push& push, uint32_t index,
-                bool isMore = false) const {
-    commands.dispatchIndirect(kernel, push, entries_, index * sizeof(DispatchArgumentsEntry), isMore);
+  void dispatch(Commands& commands, Kernel<Push>& kernel, Push push) const {
+    for (uint32_t part = 0; part < parts_; ++part) {
+      if constexpr (requires { push.firstGroup; })
+        push.firstGroup = part * work_.mostGroups;
+      else if (parts_ > 1)
+        throwUnnumbered();
+      commands.dispatchIndirect(kernel, push, entries_, part * sizeof(VkDispatchIndirectCommand), part > 0);
+    }
   }
-  /// Returns the address of an entry's number of groups times its scale.
-  VkDeviceAddress scaledGroups(uint32_t index) const;
 
  private:
+  [[noreturn]] static void throwUnnumbered();
+
   Kernel<DispatchArgumentsPush> kernel_;
+  Work work_;
+  uint32_t parts_ = 0;
   DeviceBuffer entries_;
 };
 

@@ -7,23 +7,14 @@
 
 RAYMAP_SHARED_BEGIN(raymap::vulkan)
 
-// VkDispatchIndirectCommand, followed by the number of groups times a factor.
-struct DispatchArgumentsEntry {
-  uint x, y, z;
-  uint scaledGroups;
-};
-RAYMAP_CHECK_SIZE(DispatchArgumentsEntry, 16);
-
 struct DispatchArgumentsPush {
   RAYMAP_ADDRESS(Uints) count;
-  RAYMAP_ADDRESS(Uints) entry;  // Address of a DispatchArgumentsEntry.
-  uint most;                    // Upper bound of the count.
+  RAYMAP_ADDRESS(Uints) entries;  // A VkDispatchIndirectCommand for each part.
+  uint most;                      // Upper bound of the count.
   uint itemsPerGroup;
-  uint fewestGroups;
-  uint scale;
-  uint parts;       // Number of entries.
-  uint mostGroups;  // Groups of each entry but the last.
+  uint mostGroups;  // Groups of each part.
+  uint parts;
 };
-RAYMAP_CHECK_SIZE(DispatchArgumentsPush, 40);
+RAYMAP_CHECK_SIZE(DispatchArgumentsPush, 32);
 
 RAYMAP_SHARED_END

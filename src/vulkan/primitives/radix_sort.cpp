@@ -26,16 +26,13 @@ uint32_t groupSizeOf(const DeviceLimits& limits) {
 
 }  // namespace
 
-RadixSort::RadixSort(Device& device, uint32_t keyWords)
+RadixSort::RadixSort(Device& device)
     : groupSize_(groupSizeOf(device.limits())),
       tile_(groupSize_ * kRadixRows),
-      keyWords_(keyWords),
-      count_(device, shaders::kRadixSortCount, groupSize_,
-             {groupSize_ / device.limits().minSubgroupSize, keyWords}),
+      count_(device, shaders::kRadixSortCount, groupSize_, {groupSize_ / device.limits().minSubgroupSize}),
       scatter_(device, shaders::kRadixSortScatter, groupSize_,
-               {groupSize_ / device.limits().minSubgroupSize, keyWords}),
+               {groupSize_ / device.limits().minSubgroupSize}),
       scan_(device),
-      arguments_(device, "radix sort arguments", 1),
       histogram_(device, "radix sort histogram") {}
 
 void RadixSort::reserve(uint32_t most) {
@@ -45,22 +42,18 @@ void RadixSort::reserve(uint32_t most) {
   reserved_ = most;
 }
 
-RadixSort::Pairs RadixSort::record(Commands& commands, Pairs pairs, Pairs other, Count count,
+RadixSort::Pairs RadixSort::record(Commands& commands, Pairs pairs, Pairs other, uint32_t count,
                                    uint32_t keyBits) {
-  if (count.most > reserved_) throw std::logic_error("a sort of more elements than reserved");
-  if (keyBits > 32 * keyWords_) throw std::logic_error("a sort by more bits than the keys have");
-  if (count.address != 0)
-    arguments_.record(commands, 0, {.count = count, .itemsPerGroup = tile_, .scale = kRadixBins});
+  if (count > reserved_) throw std::logic_error("a sort of more elements than reserved");
+  if (keyBits > 32) throw std::logic_error("a sort by more bits than the keys have");
   for (uint32_t bit = 0; bit < keyBits; bit += kRadixBits) {
     pass(commands, {.keys = pairs.keys,
                     .values = pairs.values,
                     .sortedKeys = other.keys,
                     .sortedValues = other.values,
                     .histogram = histogram_.address(),
-                    .count = count.address,
-                    .most = count.most,
-                    .word = bit / 32,
-                    .shift = bit % 32,
+                    .count = count,
+                    .shift = bit,
                     .mask = (1U << std::min(kRadixBits, keyBits - bit)) - 1});
     std::swap(pairs, other);
   }
@@ -68,18 +61,10 @@ RadixSort::Pairs RadixSort::record(Commands& commands, Pairs pairs, Pairs other,
 }
 
 void RadixSort::pass(Commands& commands, const RadixSortPush& push) {
-  dispatch(commands, count_, push);
-  scan_.record(
-      commands, push.histogram, push.histogram,
-      {.most = kRadixBins * groups(push.most), .address = push.count != 0 ? arguments_.scaledGroups(0) : 0});
-  dispatch(commands, scatter_, push);
-}
-
-void RadixSort::dispatch(Commands& commands, Kernel<RadixSortPush>& kernel, const RadixSortPush& push) {
-  if (push.count != 0)
-    arguments_.dispatch(commands, kernel, push, 0);
-  else
-    commands.dispatch(kernel, push, uint64_t{groups(push.most)} * groupSize_);
+  const uint64_t invocations = uint64_t{groups(push.count)} * groupSize_;
+  commands.dispatch(count_, push, invocations);
+  scan_.record(commands, push.histogram, push.histogram, kRadixBins * groups(push.count));
+  commands.dispatch(scatter_, push, invocations);
 }
 
 }  // namespace raymap::vulkan

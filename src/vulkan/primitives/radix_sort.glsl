@@ -3,15 +3,10 @@
 #include "vulkan/primitives/radix_sort_push.h"
 
 layout(constant_id = 1) const uint kMaxSubgroups = 1;  // Per group.
-layout(constant_id = 2) const uint kKeyWords = 1;
 layout(push_constant, scalar) uniform Push { RadixSortPush push; };
 
-uint elementCount() {
-  return readCount(push.count, push.most);
-}
-
 uint groupCount() {
-  return ceilDiv(elementCount(), kRadixRows * gl_WorkGroupSize.x);
+  return ceilDiv(push.count, kRadixRows * gl_WorkGroupSize.x);
 }
 
 // Subgroups have consecutive rows of elements, so the order is that of subgroups, rows, lanes.
@@ -21,5 +16,5 @@ uint elementIndex(uint row) {
 }
 
 uint digitOf(uint index) {
-  return push.keys.at[index * kKeyWords + push.word] >> push.shift & push.mask;
+  return push.keys.at[index] >> push.shift & push.mask;
 }

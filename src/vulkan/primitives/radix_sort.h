@@ -5,7 +5,7 @@
 
 namespace raymap::vulkan {
 
-/// Sorts 32-bit values by unsigned keys of one or two 32-bit words, lower word first. Stable.
+/// Sorts 32-bit values by unsigned 32-bit keys. Stable.
 class RadixSort {
  public:
   /// Addresses of keys and values.
@@ -14,28 +14,25 @@ class RadixSort {
     VkDeviceAddress values = 0;
   };
 
-  explicit RadixSort(Device& device, uint32_t keyWords = 1);
+  explicit RadixSort(Device& device);
 
   /// Reserves memory for counts up to `most`, which is at most 2^30. All previously recorded work must have
   /// completed.
   void reserve(uint32_t most);
   /// Sorts by the lowest `keyBits` bits, alternating between two places of the same size. Returns the place
   /// of the result: `pairs` if the number of passes, ceil(keyBits / 8), is even, else `other`.
-  Pairs record(Commands& commands, Pairs pairs, Pairs other, Count count, uint32_t keyBits);
+  Pairs record(Commands& commands, Pairs pairs, Pairs other, uint32_t count, uint32_t keyBits);
 
  private:
   void pass(Commands& commands, const RadixSortPush& push);
-  void dispatch(Commands& commands, Kernel<RadixSortPush>& kernel, const RadixSortPush& push);
   uint32_t groups(uint32_t count) const { return (count + tile_ - 1) / tile_; }
 
   uint32_t groupSize_;
   uint32_t tile_;  // Elements per group.
-  uint32_t keyWords_;
   uint32_t reserved_ = 0;
   Kernel<RadixSortPush> count_;
   Kernel<RadixSortPush> scatter_;
   Scan scan_;
-  DispatchArguments arguments_;
   DeviceBuffer histogram_;
 };
 

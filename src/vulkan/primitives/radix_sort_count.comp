@@ -12,10 +12,9 @@ void main() {
   if (groupIndex() >= groups) return;
   for (uint bin = laneIndex(); bin < kRadixBins; bin += gl_WorkGroupSize.x) bins[bin] = 0;
   barrier();
-  const uint count = elementCount();
   [[unroll]] for (uint row = 0; row < kRadixRows; ++row) {
     const uint index = elementIndex(row);
-    if (index < count) atomicAdd(bins[digitOf(index)], 1);
+    if (index < push.count) atomicAdd(bins[digitOf(index)], 1);
   }
   barrier();
   for (uint bin = laneIndex(); bin < kRadixBins; bin += gl_WorkGroupSize.x)

@@ -16,12 +16,11 @@ struct RadixSortPush {
   RAYMAP_ADDRESS(Uints) sortedKeys;
   RAYMAP_ADDRESS(Uints) sortedValues;
   RAYMAP_ADDRESS(Uints) histogram;  // Per bin and group: the count, then the sum before it.
-  RAYMAP_ADDRESS(Uints) count;      // Address of the number of elements; 0: it is `most`.
-  uint most;
-  uint word;  // Word of each key that the pass reads.
+  uint count;
   uint shift;
   uint mask;
+  uint unused;
 };
-RAYMAP_CHECK_SIZE(RadixSortPush, 64);
+RAYMAP_CHECK_SIZE(RadixSortPush, 56);
 
 RAYMAP_SHARED_END

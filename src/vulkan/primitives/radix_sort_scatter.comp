@@ -36,12 +36,11 @@ void main() {
   if (groupIndex() >= groups) return;
   for (uint bin = laneIndex(); bin < gl_NumSubgroups * kRadixBins; bin += gl_WorkGroupSize.x) bins[bin] = 0;
   barrier();
-  const uint count = elementCount();
   uint bin[kRadixRows];
   uint rank[kRadixRows];
   [[unroll]] for (uint row = 0; row < kRadixRows; ++row) {
     const uint index = elementIndex(row);
-    const bool inside = index < count;
+    const bool inside = index < push.count;
     const uint digit = inside ? digitOf(index) : 0;
     bin[row] = gl_SubgroupID * kRadixBins + digit;
     rank[row] = rankIn(bin[row], peersOf(digit, inside), inside);
@@ -58,10 +57,9 @@ void main() {
   barrier();
   [[unroll]] for (uint row = 0; row < kRadixRows; ++row) {
     const uint from = elementIndex(row);
-    if (from >= count) continue;
+    if (from >= push.count) continue;
     const uint to = bins[bin[row]] + rank[row];
-    [[unroll]] for (uint word = 0; word < kKeyWords; ++word)
-      push.sortedKeys.at[to * kKeyWords + word] = push.keys.at[from * kKeyWords + word];
+    push.sortedKeys.at[to] = push.keys.at[from];
     push.sortedValues.at[to] = push.values.at[from];
   }
 }

@@ -31,7 +31,6 @@ uint32_t levelsOf(uint32_t count) {
 Scan::Scan(Device& device)
     : reduce_(device, shaders::kScanReduce, kScanGroup),
       blocks_(device, shaders::kScanBlocks, kScanGroup),
-      arguments_(device, "scan arguments", kMaxLevels - 1),
       blockSums_{DeviceBuffer(device, "scan block sums"), DeviceBuffer(device, "scan upper block sums")} {}
 
 void Scan::reserve(uint32_t most) {
@@ -41,41 +40,28 @@ void Scan::reserve(uint32_t most) {
   reserved_ = most;
 }
 
-void Scan::record(Commands& commands, VkDeviceAddress values, VkDeviceAddress sums, Count count) {
-  if (count.most > reserved_) throw std::logic_error("a prefix sum over more elements than reserved");
+void Scan::record(Commands& commands, VkDeviceAddress values, VkDeviceAddress sums, uint32_t count) {
+  if (count > reserved_) throw std::logic_error("a prefix sum over more elements than reserved");
   if (values % 16 != 0 || sums % 16 != 0)
     throw std::logic_error("a prefix sum not at a multiple of 16 bytes");
-  const uint32_t levels = levelsOf(count.most);
-  if (count.address != 0)
-    commands.concurrent([&] {
-      for (uint32_t level = 0; level + 1 < levels; ++level)
-        arguments_.record(
-            commands, level,
-            {.count = count, .itemsPerGroup = 1U << (kScanBlockLog2 * (level + 1)), .fewestGroups = 1});
-    });
+  const uint32_t levels = levelsOf(count);
   for (uint32_t level = 0; level + 1 < levels; ++level)
-    dispatch(commands, reduce_, push(level, levels, values, sums, count), level);
+    dispatch(commands, reduce_, push(level, levels, values, sums, count));
   for (uint32_t level = levels; level-- > 0;)
-    dispatch(commands, blocks_, push(level, levels, values, sums, count), level);
+    dispatch(commands, blocks_, push(level, levels, values, sums, count));
 }
 
 ScanPush Scan::push(uint32_t level, uint32_t levels, VkDeviceAddress values, VkDeviceAddress sums,
-                    Count count) const {
+                    uint32_t count) const {
   return {.values = level == 0 ? values : blockSums_[level - 1].address(),
           .sums = level == 0 ? sums : blockSums_[level - 1].address(),
           .blockSums = level + 1 < levels ? blockSums_[level].address() : 0,
-          .count = count.address,
-          .most = count.most,
-          .levelLog2 = kScanBlockLog2 * level};
+          .count = sizeOf(count, level)};
 }
 
-void Scan::dispatch(Commands& commands, Kernel<ScanPush>& kernel, const ScanPush& push, uint32_t level) {
-  if (push.count != 0 && push.blockSums != 0) {
-    arguments_.dispatch(commands, kernel, push, level);
-    return;
-  }
-  const uint64_t blocks = std::max(sizeOf(push.most, level + 1), 1U);
-  commands.dispatch(kernel, push, blocks * kScanGroup);
+void Scan::dispatch(Commands& commands, Kernel<ScanPush>& kernel, const ScanPush& push) {
+  // One group runs even for no elements, to write the total.
+  commands.dispatch(kernel, push, uint64_t{std::max(sizeOf(push.count, 1), 1U)} * kScanGroup);
 }
 
 }  // namespace raymap::vulkan

@@ -7,11 +7,6 @@ layout(push_constant, scalar) uniform Push { ScanPush push; };
 // Sums of the subgroups in each row; every device's subgroups have at least four invocations.
 shared uint partials[kScanRows * kScanGroup / 4];
 
-uint levelCount() {
-  const uint most = (1u << push.levelLog2) - 1;
-  return (readCount(push.count, push.most) + most) >> push.levelLog2;
-}
-
 // Returns the first of the invocation's four elements in a row of its group's block.
 uint elementIndex(uint group, uint row) {
   return group * kScanBlock + (row * kScanGroup + laneIndex()) * 4;

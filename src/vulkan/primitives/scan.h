@@ -1,6 +1,6 @@
 #pragma once
 
-#include "vulkan/primitives/dispatch_arguments.h"
+#include "vulkan/device/commands.h"
 #include "vulkan/primitives/scan_push.h"
 
 namespace raymap::vulkan {
@@ -15,20 +15,19 @@ class Scan {
   void reserve(uint32_t most);
   /// Writes the sum before each value to `sums`, and the total after the last: `sums` holds one element more.
   /// It may be `values` itself; otherwise the two must not overlap. Addresses are multiples of 16.
-  void record(Commands& commands, VkDeviceAddress values, VkDeviceAddress sums, Count count);
+  void record(Commands& commands, VkDeviceAddress values, VkDeviceAddress sums, uint32_t count);
 
  private:
   static constexpr uint32_t kMaxLevels = 3;  // For 2^12, 2^24, 2^36 elements.
 
   /// Returns the kernels' parameters for a level. The level above works on the sums of this level's blocks.
   ScanPush push(uint32_t level, uint32_t levels, VkDeviceAddress values, VkDeviceAddress sums,
-                Count count) const;
-  void dispatch(Commands& commands, Kernel<ScanPush>& kernel, const ScanPush& push, uint32_t level);
+                uint32_t count) const;
+  static void dispatch(Commands& commands, Kernel<ScanPush>& kernel, const ScanPush& push);
 
   uint32_t reserved_ = 0;
   Kernel<ScanPush> reduce_;
   Kernel<ScanPush> blocks_;
-  DispatchArguments arguments_;
   DeviceBuffer blockSums_[kMaxLevels - 1];
 };
 

@@ -28,7 +28,7 @@ uint scanPartials(uint before) {
 
 void main() {
   const uint group = groupIndex();
-  const uint count = levelCount();
+  const uint count = push.count;
   // One group runs even for no elements, to write the total.
   const uint lastGroup = max(ceilDiv(count, kScanBlock), 1) - 1;
   if (group > lastGroup) return;

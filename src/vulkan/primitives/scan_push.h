@@ -13,13 +13,11 @@ RAYMAP_CONSTANT uint kScanBlock = 1 << kScanBlockLog2;
 
 struct ScanPush {
   RAYMAP_ADDRESS(Uints) values;
-  RAYMAP_ADDRESS(Uints) sums;  // The sum before each value, then the total.
-  RAYMAP_ADDRESS(Uints)
-  blockSums;                    // Per block: its sum, or the sum before it. 0 for one block.
-  RAYMAP_ADDRESS(Uints) count;  // Address of the first level's number of elements; 0: it is `most`.
-  uint most;
-  uint levelLog2;  // First-level elements per value, log2.
+  RAYMAP_ADDRESS(Uints) sums;       // The sum before each value, then the total.
+  RAYMAP_ADDRESS(Uints) blockSums;  // Per block: its sum, or the sum before it. 0 for one block.
+  uint count;
+  uint unused;
 };
-RAYMAP_CHECK_SIZE(ScanPush, 40);
+RAYMAP_CHECK_SIZE(ScanPush, 32);
 
 RAYMAP_SHARED_END

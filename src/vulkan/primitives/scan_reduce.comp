@@ -7,11 +7,10 @@
 
 void main() {
   const uint group = groupIndex();
-  const uint count = levelCount();
-  if (group >= ceilDiv(count, kScanBlock)) return;
+  if (group >= ceilDiv(push.count, kScanBlock)) return;
   uint sum = 0;
   [[unroll]] for (uint row = 0; row < kScanRows; ++row) {
-    const uvec4 values = load(elementIndex(group, row), count);
+    const uvec4 values = load(elementIndex(group, row), push.count);
     sum += values.x + values.y + values.z + values.w;
   }
   sum = subgroupAdd(sum);

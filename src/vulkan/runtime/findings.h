@@ -3,8 +3,8 @@
 #include "vulkan/device/features.h"
 #include "vulkan/stages/cell_levels_push.h"
 #include "vulkan/stages/cell_mesh_push.h"
-#include "vulkan/stages/cell_runs_push.h"
 #include "vulkan/stages/crossings_push.h"
+#include "vulkan/stages/voxel_grid_push.h"
 
 namespace raymap::vulkan {
 
@@ -12,7 +12,7 @@ namespace raymap::vulkan {
 struct Findings {
   CellMeshStatus mesh;
   CrossingsStatus crossings;
-  CellRunsTotals lists[kMostLevels];
+  VoxelGridTotals lists[kMostLevels];
   uint32_t doubtful;  ///< Samples whose rays disagree.
 };
 

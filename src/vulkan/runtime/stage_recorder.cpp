@@ -16,7 +16,7 @@ StageRecorder::StageRecorder(Device& device)
       surfaceTree_(device),
       exactDistance_(device, &scratch_),
       refine_(device),
-      rasterSamples_(device),
+      rasterDistance_(device),
       crossings_(device, &scratch_),
       rayMap_(device),
       winding_(device, &scratch_),
@@ -193,8 +193,7 @@ void StageRecorder::recordFindings(VkBuffer to, VkDeviceSize offset) {
     }
     if (isExact()) return;
     for (size_t l = 0; l < extent_.lattices.size(); ++l)
-      copy(isRaster() ? levels_[l]->raster.totals() : levels_[l]->grid.totals(),
-           offsetof(Findings, lists) + l * sizeof(CellRunsTotals));
+      copy(levels_[l]->grid.totals(), offsetof(Findings, lists) + l * sizeof(VoxelGridTotals));
   });
 }
 

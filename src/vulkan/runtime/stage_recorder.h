@@ -131,13 +131,9 @@ class StageRecorder {
   /// Stages of the paper's distances on one lattice.
   struct Level {
     Level(Device& device, ScratchMemory* scratch)
-        : grid(device, scratch),
-          distance(device, scratch),
-          raster(device, scratch),
-          transform(device, scratch) {}
+        : grid(device, scratch), distance(device, scratch), transform(device, scratch) {}
     VoxelGridStage grid;
     CellDistanceStage distance;
-    RasterDistanceStage raster;
     DistanceTransformStage transform;
   };
 
@@ -164,7 +160,7 @@ class StageRecorder {
   ExactDistanceStage exactDistance_;
   std::vector<std::unique_ptr<Level>> levels_;  // At least as many as lattices.
   RefineStage refine_;
-  RasterDistanceSamplesStage rasterSamples_;
+  RasterDistanceStage rasterDistance_;
   CrossingsStage crossings_;
   RayMapStage rayMap_;
   WindingStage winding_;

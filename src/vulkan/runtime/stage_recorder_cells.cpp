@@ -11,17 +11,12 @@ void StageRecorder::reserveCells() {
   for (size_t l = 0; l < lattices.size(); ++l) {
     Level& level = *levels_[l];
     level.transform.reserve(lattices[l].dims);
-    if (isRaster()) {
-      level.raster.reserve(lattices[l], extent_.triangles, extent_.lists[l]);
-      data.push_back(level.raster.level(level.transform));
-      continue;
-    }
-    level.grid.reserve(lattices[l], extent_.triangles, extent_.lists[l]);
+    level.grid.reserve(lattices[l], extent_.triangles, extent_.lists[l], !isRaster());
     level.distance.reserve(lattices[l]);
     data.push_back(levelOf(level.grid, level.distance, level.transform));
   }
   if (isRaster())
-    rasterSamples_.reserve(extent_.dims, data);
+    rasterDistance_.reserve(extent_.dims, data);
   else
     refine_.reserve(extent_.dims, data);
 }
@@ -30,7 +25,7 @@ bool StageRecorder::fits(const Findings& findings) const {
   if (isExact()) return true;
   for (size_t l = 0; l < extent_.lattices.size(); ++l) {
     const ListSizes sizes = sizesOf(findings.lists[l]);
-    if (isRaster() ? !levels_[l]->raster.fits(sizes) : !levels_[l]->grid.fits(sizes)) return false;
+    if (!levels_[l]->grid.fits(sizes)) return false;
   }
   return true;
 }
@@ -51,20 +46,20 @@ void StageRecorder::cellDistance() {
 }
 
 void StageRecorder::rasterDistance() {
-  for (size_t l = 0; l < extent_.lattices.size(); ++l) levels_[l]->raster.record(*commands_, mesh_.mesh());
+  voxelGrid();
+  cellDistance();
 }
 
 void StageRecorder::distanceTransform() {
   for (size_t l = 0; l < extent_.lattices.size(); ++l) {
     Level& level = *levels_[l];
-    const DeviceBuffer& squared = isRaster() ? level.raster.squared() : level.distance.squared();
-    level.transform.record(*commands_, squared.address());
+    level.transform.record(*commands_, level.distance.squared().address());
   }
 }
 
 void StageRecorder::refine() {
   if (isRaster()) {
-    rasterSamples_.record(*commands_, results_.distance);
+    rasterDistance_.record(*commands_, results_.distance);
     return;
   }
   const int reach = options_->distance == DistanceMode::Neighbours ? 1 : 0;

@@ -100,12 +100,14 @@ class CellProbe : public Probe {
     for (const CellLattice& cells : coverMesh(mesh)) {
       Level& on = level(result.size());
       const auto reserve = [&](const ListSizes& lists) {
-        on.raster.reserve(cells, uploaded.addresses().triangleCount, lists);
+        on.reserve(cells, uploaded.addresses().triangleCount, lists, false);
       };
-      runUntilItFits(on.raster, reserve,
-                     [&](Commands& commands) { on.raster.record(commands, uploaded.addresses()); });
+      runUntilItFits(on.grid, reserve, [&](Commands& commands) {
+        on.grid.record(commands, uploaded.addresses());
+        on.distance.record(commands, uploaded.addresses(), on.grid);
+      });
       result.emplace_back().grid.cells = cells;
-      result.back().squared = downloadBuffer<float>(on.raster.squared());
+      result.back().squared = downloadBuffer<float>(on.distance.squared());
     }
     return result;
   }
@@ -115,7 +117,7 @@ class CellProbe : public Probe {
     for (const cpu::CellLevel& rasterized : rasterize(mesh)) {
       Level& on = level(data.size());
       on.transform.reserve(rasterized.grid.cells.dims);
-      data.push_back(on.raster.level(on.transform));
+      data.push_back(on.data());
     }
     DeviceBuffer distance(device(), "distance");
     distance.resize<float>(CellLattice{mesh.dims}.count());
@@ -128,8 +130,8 @@ class CellProbe : public Probe {
   }
 
   /// Runs what `record` records until the stage's lists fit into their memory. Returns the number of runs.
-  template <class Stage, class Reserve, class Record>
-  int runUntilItFits(Stage& stage, Reserve&& reserve, Record&& record) {
+  template <class Reserve, class Record>
+  int runUntilItFits(VoxelGridStage& stage, Reserve&& reserve, Record&& record) {
     reserve(ListSizes{});
     run(record);
     int runs = 1;
@@ -142,9 +144,8 @@ class CellProbe : public Probe {
   }
 
   /// Returns the list sizes that a stage counted.
-  template <class Stage>
-  ListSizes sizes(const Stage& stage) const {
-    return sizesOf(download<CellRunsTotals>(stage.totals()).at(0));
+  ListSizes sizes(const VoxelGridStage& stage) const {
+    return sizesOf(download<VoxelGridTotals>(stage.totals()).at(0));
   }
 
   cpu::VoxelGrid toLists(const VoxelGridStage& grid) const {
@@ -159,6 +160,7 @@ class CellProbe : public Probe {
       if (begins[c] == kNoCell) continue;
       for (size_t e = begins[c]; e < std::min<uint64_t>(entries, cells.size()) && cells[e] == c; ++e)
         listed.push_back(triangles[e]);
+      std::sort(listed.begin() + lists.starts[c], listed.end());
     }
     lists.starts[begins.size()] = listed.size();
     require(entries == listed.size(),
@@ -196,14 +198,13 @@ class CellProbe : public Probe {
   }
 
   struct Level {
-    explicit Level(Device& device) : grid(device), distance(device), transform(device), raster(device) {}
+    explicit Level(Device& device) : grid(device), distance(device), transform(device) {}
     VoxelGridStage grid;
     CellDistanceStage distance;
     DistanceTransformStage transform;
-    RasterDistanceStage raster;
 
-    void reserve(const CellLattice& cells, uint32_t triangles, const ListSizes& lists) {
-      grid.reserve(cells, triangles, lists);
+    void reserve(const CellLattice& cells, uint32_t triangles, const ListSizes& lists, bool hasLists = true) {
+      grid.reserve(cells, triangles, lists, hasLists);
       distance.reserve(cells);
       transform.reserve(cells.dims);
     }
@@ -222,7 +223,7 @@ class CellProbe : public Probe {
 
   std::vector<std::unique_ptr<Level>> levels_;
   RefineStage refine_{device()};
-  RasterDistanceSamplesStage samples_{device()};
+  RasterDistanceStage samples_{device()};
 };
 
 }  // namespace raymap::vulkan

@@ -23,7 +23,7 @@ namespace raymap::vulkan {
 void compareScan(const Probe& probe, uint32_t count);
 /// Compares the order of random keys of one or two words by their lowest bits, and of those that are equal.
 /// If `spare` is given, only the device knows the count, which is this much below the capacity.
-void compareRadixSort(const Probe& probe, uint32_t count, int words, uint32_t bits, uint32_t spare = 0);
+void compareRadixSort(const Probe& probe, uint32_t count, uint32_t bits);
 
 void compareVoxelGrid(CellProbe& probe, const CellMesh& mesh, const CellLattice& cells);
 void compareCellDistance(CellProbe& probe, const CellMesh& mesh, const CellLattice& cells);

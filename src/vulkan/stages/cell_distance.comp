@@ -15,9 +15,9 @@ vec3 corner(uint triangle, uint c) {
 }
 
 void main() {
-  const uint entry = invocationIndex();
+  const uint entry = push.firstGroup * gl_WorkGroupSize.x + invocationIndex();
   uint cell = kNoCell, squared = 0xffffffffu;  // Bits of a nonnegative float, which keep the floats' order.
-  if (entry < push.count.at[0]) {
+  if (entry < min(push.count.at[0], push.mostEntries)) {
     const uint t = push.entryTriangles.at[entry];
     cell = push.entryCells.at[entry];
     const vec3 centre = cellCentre(push.cells, cellAt(push.cells, cell));

@@ -13,7 +13,7 @@
 namespace raymap::vulkan {
 
 CellDistanceStage::CellDistanceStage(Device& device, ScratchMemory* scratch)
-    : kernel_(device, shaders::kCellDistance, kRunsGroup), squared_(device, "cell distances", scratch) {}
+    : kernel_(device, shaders::kCellDistance, kGroup), squared_(device, "cell distances", scratch) {}
 
 void CellDistanceStage::reserve(const CellLattice& cells) {
   kernel_.choose(isOfSamples(cells));
@@ -28,10 +28,11 @@ void CellDistanceStage::record(Commands& commands, const DeviceMesh& mesh, const
                  .triangles = mesh.triangles,
                  .entryCells = grid.cells().address(),
                  .entryTriangles = grid.triangles().address(),
-                 .count = grid.entryCount().address,
+                 .count = grid.entryCount(),
                  .squared = squared_.address(),
                  .cells = latticeOf(cells),
-                 .perCell2 = static_cast<float>(1.0 / (cells.size * cells.size))});
+                 .perCell2 = static_cast<float>(1.0 / (cells.size * cells.size)),
+                 .mostEntries = grid.mostEntries()});
 }
 
 }  // namespace raymap::vulkan

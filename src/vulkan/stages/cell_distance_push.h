@@ -16,8 +16,10 @@ struct CellDistancePush {
   RAYMAP_ADDRESS(Uints) squared;  // Per cell; bits of floats, which keep the floats' order from 0 on.
   Lattice cells;
   float perCell2;  // Square cells per square sample.
+  uint mostEntries;
+  uint firstGroup;  // Number of groups before this dispatch.
   uint unused;
 };
-RAYMAP_CHECK_SIZE(CellDistancePush, 96);
+RAYMAP_CHECK_SIZE(CellDistancePush, 104);
 
 RAYMAP_SHARED_END

@@ -7,10 +7,10 @@ namespace raymap::vulkan {
 
 CellLevelData levelOf(const VoxelGridStage& grid, const CellDistanceStage& distance,
                       const DistanceTransformStage& transform) {
-  return {.begins = grid.begins().address(),
+  return {.begins = grid.begins().bytes() > 0 ? grid.begins().address() : 0,
           .entryCells = grid.cells().address(),
           .entryTriangles = grid.triangles().address(),
-          .count = grid.entryCount().address,
+          .count = grid.entryCount(),
           .squared = distance.squared().address(),
           .nearestCell = transform.nearestCell(),
           .cells = latticeOf(grid.lattice())};

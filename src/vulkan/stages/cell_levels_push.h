@@ -8,7 +8,7 @@ RAYMAP_SHARED_BEGIN(raymap::vulkan)
 
 RAYMAP_CONSTANT uint kMostLevels = 2;  // Maximum number of lattices that coverMesh returns.
 
-// Results of the stages before `refine` for a lattice; the first four are 0 for `raster`.
+// Results of the stages before `refine` for a lattice; there are no `begins` for `raster`.
 struct CellLevelData {
   RAYMAP_ADDRESS(Uints) begins;  // See vulkan/stages/voxel_grid.h.
   RAYMAP_ADDRESS(Uints) entryCells;

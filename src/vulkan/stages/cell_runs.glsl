@@ -1,11 +1,10 @@
-// Krayer & Müller 2019, §3.1: the cells of a row along x that a triangle touches. GPU twin of
-// cpu/cells/cell_runs.h.
+// Krayer & Müller 2019, §3.1: rows along x of the cells in a triangle's bounds. GPU twin of cpu/cells/cell_runs.h.
 
 #include "vulkan/stages/cell_lattice.glsl"
 #include "vulkan/stages/mesh.glsl"
-#include "vulkan/stages/cell_runs_push.h"
+#include "vulkan/stages/voxel_grid_push.h"
 
-layout(push_constant, scalar) uniform Push { CellRunsPush push; };
+layout(push_constant, scalar) uniform Push { VoxelGridPush push; };
 
 // Triangle, and the cells of its bounds.
 struct LocalTriangle {
@@ -24,14 +23,14 @@ ivec3 nearestIntegers(vec3 x) {
 
 // Finds the lowest and the highest cell that the bounds touch.
 void findBounds(vec3 low, vec3 high, inout ivec3 lowest, inout ivec3 highest) {
-  if (isOfSamples(push.cells)) {
+  if (isOfSamples(push.lattice)) {
     lowest = -nearestIntegers(-low);
     highest = nearestIntegers(high);
     return;
   }
   [[dont_unroll]] for (uint axis = 0; axis < 3; ++axis) {
-    lowest = ivec3(lowest.yz, ceilOf(difference(inCells(push.cells, axis, doubleOf(low.x)), kHalf)));
-    highest = ivec3(highest.yz, floorOf(sum(inCells(push.cells, axis, doubleOf(high.x)), kHalf)));
+    lowest = ivec3(lowest.yz, ceilOf(difference(inCells(push.lattice, axis, doubleOf(low.x)), kHalf)));
+    highest = ivec3(highest.yz, floorOf(sum(inCells(push.lattice, axis, doubleOf(high.x)), kHalf)));
     low = low.yzx;
     high = high.yzx;
   }
@@ -44,7 +43,7 @@ LocalTriangle readLocalTriangle(uint triangle) {
   local.c = readCorner(push.vertices, push.triangles, triangle, 2);
   ivec3 lowest = ivec3(0), highest = ivec3(0);
   findBounds(min(min(local.a, local.b), local.c), max(max(local.a, local.b), local.c), lowest, highest);
-  const ivec3 dims = ivec3(push.cells.nx, push.cells.ny, push.cells.nz);
+  const ivec3 dims = ivec3(push.lattice.nx, push.lattice.ny, push.lattice.nz);
   local.base = clamp(lowest, ivec3(0), dims);
   const ivec3 last = clamp(highest, ivec3(-1), dims - 1);
   local.extent = last - local.base;
@@ -58,34 +57,14 @@ uint rowCount(LocalTriangle local) {
 
 // Row of cells in a triangle's bounds.
 struct Row {
-  uint number;  // Among the rows of all triangles.
+  uint triangle;
+  uint number;  // Among the triangle's rows.
   LocalTriangle local;
   int j, k;  // Relative to the triangle's lowest cell.
 };
 
-Row readRow(uint number, uint triangle) {
-  Row row;
-  row.number = number;
-  row.local = readLocalTriangle(triangle);
-  const uint ofTriangle = number - push.rowStarts.at[triangle], rows = uint(row.local.extent.y + 1);
-  row.j = int(ofTriangle % rows);
-  row.k = int(ofTriangle / rows);
-  return row;
-}
-
-// Writes the cells along x, relative to the triangle's lowest one, that it touches in a row; possibly none. Returns their
-// number.
-uint writeRun(Row row, ivec2 run) {
-  const uint size = uint(max(run.y - run.x + 1, 0));
-  push.runCells.at[row.number] = cellIndex(push.cells, uvec3(row.local.base + ivec3(run.x, row.j, row.k)));
-  push.runSizes.at[row.number] = size;
-  return size;
-}
-
-// Adds to a 64-bit total, once per subgroup. All invocations of the group call it.
-void addToTotal(uint at, uint value) {
-  const uint sum = subgroupAdd(value);
-  if (sum == 0 || !subgroupElect()) return;
-  const uint before = atomicAdd(push.totals.at[at], sum);
-  if (before + sum < before) atomicAdd(push.totals.at[at + 1], 1);
+Row readRow(uint triangle, uint number) {
+  const LocalTriangle local = readLocalTriangle(triangle);
+  const uint rows = uint(local.extent.y + 1);
+  return Row(triangle, number, local, int(number % rows), int(number / rows));
 }

@@ -46,7 +46,7 @@ ExactCorners exactCorners(LocalTriangle local) {
     const vec3 vertex = corner == 0 ? local.a : corner == 1 ? local.b : local.c;
     const float coordinate = axis == 0 ? vertex.x : axis == 1 ? vertex.y : vertex.z;
     const int base = axis == 0 ? local.base.x : axis == 1 ? local.base.y : local.base.z;
-    const Double at = difference(inCells(push.cells, axis, doubleOf(coordinate)), doubleOf(base));
+    const Double at = difference(inCells(push.lattice, axis, doubleOf(coordinate)), doubleOf(base));
     far = maximum(far, absolute(at));
     corners.a = u64vec3(corners.a.yz, corners.b.x);
     corners.b = u64vec3(corners.b.yz, corners.c.x);

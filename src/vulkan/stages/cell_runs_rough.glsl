@@ -46,19 +46,19 @@ struct RoughCorners {
 
 RoughCorners roughCorners(LocalTriangle local) {
   RoughCorners corners;
-  corners.edge[0] = (local.b - local.a) / push.cells.size;
-  corners.edge[1] = (local.c - local.b) / push.cells.size;
-  corners.edge[2] = (local.a - local.c) / push.cells.size;
+  corners.edge[0] = (local.b - local.a) / push.lattice.size;
+  corners.edge[1] = (local.c - local.b) / push.lattice.size;
+  corners.edge[2] = (local.a - local.c) / push.lattice.size;
   vec3 first = vec3(0);
-  if (!isOfSamples(push.cells))
-    first = vec3(floatOf(push.cells.firstX), floatOf(push.cells.firstY), floatOf(push.cells.firstZ));
-  corners.at[0] = (local.a - first) / push.cells.size - vec3(local.base);
-  corners.at[1] = (local.b - first) / push.cells.size - vec3(local.base);
-  corners.at[2] = (local.c - first) / push.cells.size - vec3(local.base);
+  if (!isOfSamples(push.lattice))
+    first = vec3(floatOf(push.lattice.firstX), floatOf(push.lattice.firstY), floatOf(push.lattice.firstZ));
+  corners.at[0] = (local.a - first) / push.lattice.size - vec3(local.base);
+  corners.at[1] = (local.b - first) / push.lattice.size - vec3(local.base);
+  corners.at[2] = (local.c - first) / push.lattice.size - vec3(local.base);
   const vec3 far = max(max(max(abs(corners.at[0]), abs(corners.at[1])), abs(corners.at[2])), vec3(1.0));
   const vec3 vertexFar = max(max(abs(local.a), abs(local.b)), abs(local.c));
-  const vec3 cancelled = 3.0 * kRoughShare * (vertexFar + abs(first)) / push.cells.size;
-  corners.error = isOfSamples(push.cells) ? 0.0 : max(max(cancelled.x, cancelled.y), cancelled.z);
+  const vec3 cancelled = 3.0 * kRoughShare * (vertexFar + abs(first)) / push.lattice.size;
+  corners.error = isOfSamples(push.lattice) ? 0.0 : max(max(cancelled.x, cancelled.y), cancelled.z);
   corners.least = kRoughLeast * (1.0 + max(max(far.x, far.y), far.z));
   corners.most = vec3(local.extent);
   return corners;

@@ -39,7 +39,7 @@ CrossingsStage::CrossingsStage(Device& device, ScratchMemory* scratch)
       triangles_(device, shaders::kCrossingsTriangles, kCrossingsGroup),
       runs_(device, shaders::kCrossingsRuns, kCrossingsGroup),
       scan_(device),
-      arguments_(device, "crossings arguments", 1),
+      arguments_(device, "crossings arguments"),
       lines_{DeviceBuffer(device, "crossings along x", scratch),
              DeviceBuffer(device, "crossings along y", scratch),
              DeviceBuffer(device, "crossings along z", scratch)},
@@ -47,6 +47,7 @@ CrossingsStage::CrossingsStage(Device& device, ScratchMemory* scratch)
       runCounts_(device, "crossings runs"),
       status_(device, "crossings status") {
   status_.resize<CrossingsStatus>(1);
+  arguments_.reserve({.most = kMostRuns, .itemsPerGroup = kCrossingsGroup, .mostGroups = UINT32_MAX});
 }
 
 void CrossingsStage::reserve(const glm::ivec3& dims, uint64_t triangleCount, bool keepsCrossed) {
@@ -85,11 +86,9 @@ void CrossingsStage::record(Commands& commands, const DeviceMesh& mesh) {
   });
   commands.dispatch(reach_, push, mesh.triangleCount);
   commands.dispatch(triangles_, push, mesh.triangleCount);
-  scan_.record(commands, push.runs, push.runs, {.most = mesh.triangleCount});
-  arguments_.record(commands, 0,
-                    {.count = {.most = kMostRuns, .address = push.status + offsetof(CrossingsStatus, runs)},
-                     .itemsPerGroup = kCrossingsGroup});
-  arguments_.dispatch(commands, runs_, push, 0);
+  scan_.record(commands, push.runs, push.runs, mesh.triangleCount);
+  arguments_.record(commands, push.status + offsetof(CrossingsStatus, runs));
+  arguments_.dispatch(commands, runs_, push);
 }
 
 LatticeLines CrossingsStage::lines() const {

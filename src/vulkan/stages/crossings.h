@@ -6,6 +6,7 @@
 #include <glm/vec3.hpp>
 #include <optional>
 
+#include "vulkan/primitives/dispatch_arguments.h"
 #include "vulkan/primitives/scan.h"
 #include "vulkan/stages/crossings_push.h"
 #include "vulkan/stages/device_mesh.h"

@@ -14,6 +14,7 @@
 #include "shaders/exact_distance_blocks_spv.h"
 #include "shaders/exact_distance_rest_spv.h"
 #include "shaders/exact_distance_spv.h"
+#include "vulkan/device/dispatch_limits.h"
 
 namespace raymap::vulkan {
 
@@ -79,15 +80,16 @@ void ExactDistanceStage::reserve(const glm::ivec3& dims) {
     lists_[level].resize<uint32_t>(blocks(level) * kListWords);
   heavy_.resize<uint32_t>(1 + blocks(kSmallest));
   left_.resize<uint32_t>(hasShortLoops_ ? 1 + samples() : 0);
-  aloneArguments_.reserve(static_cast<uint32_t>(ceilDiv(mostAloneGroups(), kAloneGroups)));
+  aloneArguments_.reserve({.most = static_cast<uint32_t>(blocks(kSmallest) * kBlockSamples),
+                           .itemsPerGroup = groupSize_ / maxSubgroup_,
+                           .mostGroups = kAloneGroups});
+  restArguments_.reserve({.most = static_cast<uint32_t>(samples()),
+                          .itemsPerGroup = groupSize_ / maxSubgroup_,
+                          .mostGroups = UINT32_MAX});
 }
 
 uint32_t ExactDistanceStage::heavyWork() const {
   return heavyWork_ > 0 ? heavyWork_ : heavyWorkOf(blocks(kSmallest));
-}
-
-uint64_t ExactDistanceStage::mostAloneGroups() const {
-  return ceilDiv(blocks(kSmallest) * kBlockSamples, groupSize_ / maxSubgroup_);
 }
 
 uint64_t ExactDistanceStage::blocks(uint32_t level) const {
@@ -157,26 +159,15 @@ void ExactDistanceStage::recordAll(Commands& commands, ExactDistancePush push) {
 /// Finishes heavy blocks: a subgroup for each of their samples.
 void ExactDistanceStage::recordAlone(Commands& commands, ExactDistancePush push) {
   push.mostWork = hasShortLoops_ ? kMostLoops : 0;
-  const auto parts = static_cast<uint32_t>(ceilDiv(mostAloneGroups(), kAloneGroups));
-  const auto most = static_cast<uint32_t>(blocks(kSmallest) * kBlockSamples);
-  aloneArguments_.record(commands, 0,
-                         {.count = {.most = most, .address = heavy_.address()},
-                          .itemsPerGroup = groupSize_ / maxSubgroup_,
-                          .parts = parts,
-                          .mostGroups = kAloneGroups});
-  for (uint32_t part = 0; part < parts; ++part) {
-    push.firstGroup = part * kAloneGroups;
-    aloneArguments_.dispatch(commands, alone_, push, part, part > 0);
-  }
+  aloneArguments_.record(commands, heavy_.address());
+  aloneArguments_.dispatch(commands, alone_, push);
 }
 
 /// Finishes samples that some drivers end too early. Each tests all leaves, some in each pass.
 void ExactDistanceStage::recordRest(Commands& commands, ExactDistancePush push) {
-  restArguments_.record(commands, 0,
-                        {.count = {.most = static_cast<uint32_t>(samples()), .address = left_.address()},
-                         .itemsPerGroup = groupSize_ / maxSubgroup_});
+  restArguments_.record(commands, left_.address());
   for (; push.restLeaf < push.leafCount; push.restLeaf += kRestLeaves)
-    restArguments_.dispatch(commands, rest_, push, 0);
+    restArguments_.dispatch(commands, rest_, push);
 }
 
 }  // namespace raymap::vulkan

@@ -2,6 +2,7 @@
 
 #include <iterator>
 
+#include "vulkan/primitives/dispatch_arguments.h"
 #include "vulkan/stages/exact_distance_push.h"
 #include "vulkan/stages/surface_tree.h"
 
@@ -53,7 +54,6 @@ class ExactDistanceStage {
   /// Returns the work of a block from which on it is heavy.
   uint32_t heavyWork() const;
   /// Returns the number of groups that search for single samples, if all blocks are heavy.
-  uint64_t mostAloneGroups() const;
 
   bool hasShortLoops_;
   uint32_t heavyWork_;  // 0: depends on the grid.

@@ -1,30 +1,36 @@
-// Krayer & Müller 2019, §3.3, last paragraph: the cells of a group's runs.
+// Krayer & Müller 2019, §3.3, last paragraph: the distance of every sample, from the transform of the cells'
+// distances.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "vulkan/device/kernel.glsl"
-#include "vulkan/stages/cell_lattice.glsl"
-#include "vulkan/stages/mesh.glsl"
-#include "vulkan/stages/run_cells.glsl"
+#include "vulkan/stages/cell_levels.glsl"
 #include "vulkan/stages/triangle.glsl"
 #include "vulkan/stages/raster_distance_push.h"
 
 layout(push_constant, scalar) uniform Push { RasterDistancePush push; };
 
-vec3 corner(uint triangle, uint c) {
-  return readCorner(push.vertices, push.triangles, triangle, c);
+// Evaluates at p the parabola that gives the transform's value at the centre of p's cell.
+float squaredDistance(CellLevelData level, CellPoint p, uint nearestCell) {
+  const vec3 nearest = vec3(cellAt(level.cells, nearestCell));
+  const vec3 d = vec3(p.cell) - nearest;
+  precise const float value = d.z * d.z + (d.y * d.y + (d.x * d.x + level.squared.at[nearestCell]));
+  if (p.at == vec3(p.cell)) return value;
+  precise const float shift = squaredLength(p.at - nearest) - squaredLength(d);
+  return max(0.0, value + shift);
 }
 
 void main() {
-  const uint rows = push.totals.at[0], firstRun = groupIndex() * kRunsGroup;
-  const bool fits = push.totals.at[1] == 0 && rows <= push.mostRows;
-  if (!fits || firstRun >= rows) return;
-  loadRunStarts(push.runStarts, rows);
-  for (uint number = gl_LocalInvocationIndex; number < runStarts[kRunsGroup]; number += gl_WorkGroupSize.x) {
-    const uint run = runOf(number), t = push.runTriangles.at[firstRun + run];
-    const uint cell = push.runCells.at[firstRun + run] + (number - runStarts[run]);
-    const vec3 centre = cellCentre(push.cells, cellAt(push.cells, cell));
-    const float squared =
-        push.perCell2 * triangleSquaredDistance(centre, corner(t, 0), corner(t, 1), corner(t, 2));
-    atomicMin(push.squared.at[cell], floatBitsToUint(squared));
+  const uint index = invocationIndex();
+  if (index >= push.nx * push.ny * push.nz) return;
+  const uint row = index / push.nx;
+  const uvec3 position = uvec3(index % push.nx, row % push.ny, row / push.ny);
+  float distance = kLargestFloat;
+  for (uint l = 0; l < push.levelCount; ++l) {
+    CellLevelData level = push.levels.at[l];
+    const CellPoint p = cellPointOf(level.cells, position);
+    const uint nearest = level.nearestCell.at[cellIndex(level.cells, p.cell)];
+    if (nearest == kNoCell) continue;
+    distance = min(distance, float(level.cells.size) * sqrt(squaredDistance(level, p, nearest)));
   }
+  push.distance.at[index] = distance;
 }

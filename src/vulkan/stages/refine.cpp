@@ -16,7 +16,7 @@ RefineStage::RefineStage(Device& device)
     : alone_(device, shaders::kRefine, kRefineGroup),
       crowded_(device, shaders::kRefineCrowded, kRefineGroup),
       levels_(device),
-      arguments_(device, "refine arguments", 1),
+      arguments_(device, "refine arguments"),
       crowdedCount_(device, "crowded samples' count") {}
 
 void RefineStage::reserve(const glm::ivec3& dims, std::span<const CellLevelData> levels) {
@@ -24,6 +24,7 @@ void RefineStage::reserve(const glm::ivec3& dims, std::span<const CellLevelData>
   for (auto* kernel : {&alone_, &crowded_}) kernel->choose(levels.size() == 1);
   levels_.reserve(levels);
   crowdedCount_.resize<uint32_t>(1);
+  arguments_.reserve({.most = dims_.x * dims_.y * dims_.z, .mostGroups = UINT32_MAX});
 }
 
 void RefineStage::record(Commands& commands, const DeviceMesh& mesh, const Fields& fields, int reach) {
@@ -45,8 +46,8 @@ void RefineStage::record(Commands& commands, const DeviceMesh& mesh, const Field
   levels_.record(commands);
   commands.fill(crowdedCount_, 0);
   commands.dispatch(*alone_, push, samples);
-  arguments_.record(commands, 0, {.count = {.most = samples, .address = crowdedCount_.address()}});
-  arguments_.dispatch(commands, *crowded_, push, 0);
+  arguments_.record(commands, crowdedCount_.address());
+  arguments_.dispatch(commands, *crowded_, push);
 }
 
 }  // namespace raymap::vulkan

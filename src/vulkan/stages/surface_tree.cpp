@@ -117,7 +117,7 @@ void SurfaceTreeStage::record(Commands& commands, const DeviceMesh& mesh, const 
   push.order =
       sort_
           .record(commands, {push.keys, push.order}, {sortKeys_[1].address(), triangles_[1].address()},
-                  {.most = mesh.triangleCount}, push.keyBits)
+                  mesh.triangleCount, push.keyBits)
           .values;
   commands.dispatch(order_, push, (uint64_t{mesh.triangleCount} + 1) / 2);
   commands.dispatch(leaves_, push, uint64_t{roundUp(push.levelCount)} * kTreeArity);

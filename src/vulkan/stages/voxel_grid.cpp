@@ -1,99 +1,144 @@
 // Krayer & Müller 2019, §3.1, Fig. 2.
 //
-// Paper: an atomic counter per cell, a prefix sum over all cells, an atomic slot for each triangle. Here:
-// pairs of cell and triangle, written by ascending triangles and sorted stably by cell. Each list is then in
-// ascending order, independently of the order of groups. A cell that holds all triangles costs no more than
-// others.
+// Paper: the rasterizer distributes the work; an atomic counter per cell, a prefix sum over all cells, an
+// atomic slot for each triangle. Here: an invocation finds the rows of cells of a small triangle, a group
+// those of a part of a large one, and a subgroup lists a long row's cells together. The counter gives each
+// pair its slot, and the first pair of a cell takes the memory of the cell's list, so no sum over the cells
+// is needed. A kernel of its own decides, with doubles in software, the rows for which floats do not suffice.
 
 #include "vulkan/stages/voxel_grid.h"
 
 #include <raymap/error.h>
 
 #include <algorithm>
-#include <bit>
+#include <cstddef>
 #include <string>
 
 #include "method/cell_lattice.h"
 #include "shaders/voxel_grid_begins_spv.h"
 #include "shaders/voxel_grid_entries_spv.h"
+#include "shaders/voxel_grid_exact_spv.h"
+#include "shaders/voxel_grid_parts_spv.h"
+#include "shaders/voxel_grid_spv.h"
 
 namespace raymap::vulkan {
 
 namespace {
 
-constexpr uint32_t kMostEntries = uint32_t{1} << 30;
+constexpr uint32_t kMostRows = uint32_t{1} << 30;
+constexpr uint32_t kMostPairs = uint32_t{1} << 30;
 
-uint32_t bitsOf(const CellLattice& cells) {
-  return static_cast<uint32_t>(std::bit_width(cells.count() - 1));
+/// Returns what to reserve: somewhat more than was counted, and at least a guess.
+uint32_t capacity(uint32_t now, uint64_t counted, uint64_t guess, uint32_t most) {
+  return std::max(now,
+                  static_cast<uint32_t>(std::min<uint64_t>(most, std::max(counted + counted / 8, guess))));
 }
 
 }  // namespace
 
 VoxelGridStage::VoxelGridStage(Device& device, ScratchMemory* scratch)
-    : runs_(device),
-      writeEntries_(device, shaders::kVoxelGridEntries, kRunsGroup),
-      findBegins_(device, shaders::kVoxelGridBegins, kRunsGroup),
-      sort_(device),
-      arguments_(device, "voxel grid arguments", 1),
-      entryCells_{{device, "entries' cells"}, {device, "entries' cells, unsorted"}},
-      entryTriangles_{{device, "entries' triangles"}, {device, "entries' triangles, unsorted"}},
+    : groupSize_(std::max(kGroup, device.limits().maxSubgroupSize)),
+      ofTriangles_(device, shaders::kVoxelGrid, groupSize_),
+      ofParts_(device, shaders::kVoxelGridParts, std::max(kPartRows, device.limits().maxSubgroupSize)),
+      exact_(device, shaders::kVoxelGridExact, groupSize_),
+      findBegins_(device, shaders::kVoxelGridBegins, kGroup),
+      writeEntries_(device, shaders::kVoxelGridEntries, kGroup),
+      partArguments_(device, "dispatches of large triangles"),
+      openArguments_(device, "dispatches of cell rows to find exactly"),
+      pairArguments_(device, "dispatches of pairs of cell and triangle"),
+      totals_(device, "voxel grid's totals"),
+      rows_(device, "cell rows of large triangles and to find exactly"),
+      cells_(device, "pairs' cells"),
+      touching_(device, "pairs' triangles"),
+      places_(device, "pairs' places"),
       begins_(device, "cells' first entries", scratch),
-      count_(device, "entries' count") {}
+      entryCells_(device, "entries' cells"),
+      entryTriangles_(device, "entries' triangles") {}
 
-void VoxelGridStage::reserve(const CellLattice& cells, uint32_t triangles, const ListSizes& lists) {
-  // Twice what a fine mesh has. The minimum is negligible work.
-  constexpr uint64_t kEntriesPerTriangle = 4, kFewEntries = uint64_t{1} << 17;
-  if (lists.entries > kMostEntries)
+void VoxelGridStage::reserve(const CellLattice& cells, uint32_t triangles, const ListSizes& lists,
+                             bool hasLists) {
+  // In fine meshes a triangle touches about two rows and two cells. The minimums are negligible work.
+  constexpr uint64_t kRowsPerTriangle = 3, kSomeRows = uint64_t{1} << 16;
+  constexpr uint64_t kPairsPerTriangle = 4, kSomePairs = uint64_t{1} << 17;
+  if (lists.rows > kMostRows)
+    throw Error(ErrorCode::Memory, "the triangles touch " + std::to_string(lists.rows) +
+                                       " rows of cells, the device can number " + std::to_string(kMostRows) +
+                                       "; use a lower resolution, exact distance or the CPU");
+  if (lists.entries > kMostPairs)
     throw Error(ErrorCode::Memory, "the cells' triangle lists hold " + std::to_string(lists.entries) +
-                                       " entries, the device can sort " + std::to_string(kMostEntries) +
+                                       " entries, the device can number " + std::to_string(kMostPairs) +
                                        "; use a lower resolution or exact distance");
-  const uint64_t wanted =
-      std::max(lists.entries + lists.entries / 8, kEntriesPerTriangle * triangles + kFewEntries);
-  cells_ = cells;
-  runs_.reserve(cells, triangles, lists.rows);
-  begins_.resize<uint32_t>(cells.count());
-  count_.resize<uint32_t>(1);
-  reserveEntries(std::max(mostEntries_, static_cast<uint32_t>(std::min<uint64_t>(kMostEntries, wanted))));
+  lattice_ = cells;
+  hasLists_ = hasLists;
+  for (auto* kernel : {&ofTriangles_, &ofParts_, &exact_}) kernel->choose(isOfSamples(cells));
+  totals_.resize<VoxelGridTotals>(1);
+  begins_.resize<uint32_t>(hasLists ? cells.count() : 0);
+  reserveRows(capacity(mostRows_, lists.rows, kRowsPerTriangle * triangles + kSomeRows, kMostRows));
+  reservePairs(capacity(mostPairs_, lists.entries, kPairsPerTriangle * triangles + kSomePairs, kMostPairs));
 }
 
-void VoxelGridStage::reserveEntries(uint32_t entries) {
-  sort_.reserve(entries);
-  for (size_t place : {0, 1}) {
-    entryCells_[place].resize<uint32_t>(entries);
-    entryTriangles_[place].resize<uint32_t>(entries);
-  }
-  mostEntries_ = entries;
+void VoxelGridStage::reserveRows(uint32_t rows) {
+  rows_.resize<uint64_t>(uint64_t{rows} / kFewRows + rows);
+  partArguments_.reserve({.most = rows / kFewRows});
+  openArguments_.reserve({.most = rows, .itemsPerGroup = groupSize_});
+  mostRows_ = rows;
 }
 
-Count VoxelGridStage::entryCount() const {
-  return {.most = mostEntries_, .address = count_.address()};
+void VoxelGridStage::reservePairs(uint32_t pairs) {
+  for (DeviceBuffer* each : {&cells_, &touching_, &places_}) each->resize<uint32_t>(pairs);
+  for (DeviceBuffer* each : {&entryCells_, &entryTriangles_}) each->resize<uint32_t>(hasLists_ ? pairs : 0);
+  pairArguments_.reserve({.most = pairs, .itemsPerGroup = kGroup});
+  mostPairs_ = pairs;
 }
 
-RadixSort::Pairs VoxelGridStage::pairs(size_t place) const {
-  return {entryCells_[place].address(), entryTriangles_[place].address()};
+VkDeviceAddress VoxelGridStage::entryCount() const {
+  return totals_.address() +
+         (hasLists_ ? offsetof(VoxelGridTotals, entries) : offsetof(VoxelGridTotals, pairs));
 }
 
 void VoxelGridStage::record(Commands& commands, const DeviceMesh& mesh) {
-  runs_.record(commands, mesh);
-  // Chosen so that the sorted pairs end in place 0.
-  const size_t unsorted = (bitsOf(cells_) + kRadixBits - 1) / kRadixBits % 2;
-  VoxelGridPush push{.runTriangles = runs_.triangles(),
-                     .runCells = runs_.firstCells(),
-                     .runStarts = runs_.starts(),
-                     .totals = runs_.totals().address(),
-                     .cells = entryCells_[unsorted].address(),
-                     .triangles = entryTriangles_[unsorted].address(),
-                     .begins = begins_.address(),
-                     .count = count_.address(),
-                     .mostRows = runs_.mostRows(),
-                     .mostEntries = mostEntries_};
-  runs_.dispatch(commands, writeEntries_, push);
-  sort_.record(commands, pairs(unsorted), pairs(1 - unsorted), entryCount(), bitsOf(cells_));
-  commands.fill(begins_, kNoCell);
-  push.cells = entryCells_[0].address();
-  push.triangles = entryTriangles_[0].address();
-  arguments_.record(commands, 0, {.count = entryCount(), .itemsPerGroup = kRunsGroup});
-  arguments_.dispatch(commands, findBegins_, push, 0);
+  recordPairs(commands, mesh);
+  if (hasLists_) recordLists(commands);
+}
+
+void VoxelGridStage::recordPairs(Commands& commands, const DeviceMesh& mesh) {
+  const auto counted = [&](size_t number) { return totals_.address() + number; };
+  const VoxelGridPush push{.vertices = mesh.vertices,
+                           .triangles = mesh.triangles,
+                           .totals = totals_.address(),
+                           .rows = rows_.address(),
+                           .cells = cells_.address(),
+                           .touching = touching_.address(),
+                           .places = places_.address(),
+                           .begins = hasLists_ ? begins_.address() : 0,
+                           .lattice = latticeOf(lattice_),
+                           .triangleCount = mesh.triangleCount,
+                           .mostRows = mostRows_,
+                           .mostPairs = mostPairs_};
+  commands.concurrent([&] {
+    commands.fill(totals_, 0);
+    if (hasLists_) commands.fill(begins_, kNoCell);
+  });
+  commands.dispatch(*ofTriangles_, push, mesh.triangleCount);
+  partArguments_.record(commands, counted(offsetof(VoxelGridTotals, parts)));
+  partArguments_.dispatch(commands, *ofParts_, push);
+  openArguments_.record(commands, counted(offsetof(VoxelGridTotals, openRows)));
+  openArguments_.dispatch(commands, *exact_, push);
+  pairArguments_.record(commands, counted(offsetof(VoxelGridTotals, pairs)));
+}
+
+void VoxelGridStage::recordLists(Commands& commands) {
+  const VoxelGridListsPush push{.totals = totals_.address(),
+                                .cells = cells_.address(),
+                                .touching = touching_.address(),
+                                .places = places_.address(),
+                                .begins = begins_.address(),
+                                .entryCells = entryCells_.address(),
+                                .entryTriangles = entryTriangles_.address(),
+                                .mostRows = mostRows_,
+                                .mostPairs = mostPairs_};
+  dispatch(commands, findBegins_, push);
+  dispatch(commands, writeEntries_, push);
 }
 
 }  // namespace raymap::vulkan

@@ -17,7 +17,6 @@ namespace raymap::vulkan {
 
 namespace {
 
-static_assert(kMostGroups <= kMaxGroups);  // A part has no surplus groups: they would be the next one's.
 static_assert(kSamplesPerListed <= kTreeArity);  // A group has an invocation for each of its samples.
 
 constexpr uint32_t kDoubtsGroup = 128;
@@ -60,7 +59,7 @@ void WindingDipolesStage::reserve(uint32_t triangleCount, const glm::ivec3& dims
   dims_ = dims;
   moments_.resize<float>((uint64_t{levels[0].start} + levels[0].count) * kMomentVectors * 4);
   doubtful_.resize<uint32_t>(1 + mostListed());
-  arguments_.reserve(parts());
+  arguments_.reserve({.most = static_cast<uint32_t>(mostListed())});
   std::vector<uint64_t> groups;
   for (const SurfaceTreeStage::Level& level : levels) groups.push_back(ceilDiv(level.count, kMomentsGroup));
   gate_.plan(groups);
@@ -68,10 +67,6 @@ void WindingDipolesStage::reserve(uint32_t triangleCount, const glm::ivec3& dims
 
 uint64_t WindingDipolesStage::mostListed() const {
   return ceilDiv(samplesOf(dims_), kSamplesPerListed);
-}
-
-uint32_t WindingDipolesStage::parts() const {
-  return static_cast<uint32_t>(ceilDiv(mostListed(), kMostGroups));
 }
 
 WindingDipolesPush WindingDipolesStage::pushOf(const SurfaceTreeStage& tree, double threshold) const {
@@ -111,20 +106,15 @@ void WindingDipolesStage::record(Commands& commands, const SurfaceTreeStage& tre
   push.mostListed = static_cast<uint32_t>(mostListed());
   commands.fill(doubtful_, 0);
   commands.dispatch(doubts_, push, ceilDiv(samplesOf(dims_), kDoubtsEach));
-  const Count doubts{.most = static_cast<uint32_t>(samplesOf(dims_)), .address = doubtful_.address()};
   commands.concurrent([&] {
-    gate_.record(commands, doubts.address);
-    arguments_.record(commands, 0, {.count = doubts, .parts = parts(), .mostGroups = kMostGroups});
+    gate_.record(commands, doubtful_.address());
+    arguments_.record(commands, doubtful_.address());
   });
   recordMoments(tree, push, [&](const WindingDipolesPush& ofLevel, uint32_t level) {
     gate_.dispatch(commands, momentsOf_, ofLevel, level);
   });
-  // One group for each sample. There are more groups than the list has capacity for if it does not hold all:
-  // enough for the whole grid.
-  for (uint32_t part = 0; part < parts(); ++part) {
-    push.firstGroup = part * kMostGroups;
-    arguments_.dispatch(commands, settle_, push, part, part > 0);
-  }
+  // One group for each sample, or for some samples if the list does not hold all of them.
+  arguments_.dispatch(commands, settle_, push);
 }
 
 void WindingDipolesStage::recordNumbersAt(Commands& commands, const SurfaceTreeStage& tree,

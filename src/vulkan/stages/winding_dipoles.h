@@ -44,7 +44,6 @@ class WindingDipolesStage {
 
  private:
   uint64_t mostListed() const;
-  uint32_t parts() const;
   WindingDipolesPush pushOf(const SurfaceTreeStage& tree, double threshold) const;
   /// Calls `dispatch(push, level)` for each level, from the leaves on.
   template <class Dispatch>
