@@ -4,6 +4,7 @@
 
 #include "shaders/counted_loops.h"
 #include "shaders/counted_loops_spv.h"
+#include "shaders/counted_vectors_spv.h"
 #include "vulkan/device/dispatch_limits.h"
 #include "vulkan/primitives/dispatch_arguments.h"
 #include "vulkan_device.h"
@@ -86,6 +87,17 @@ TEST_F(VulkanWorkCounter, CountsAllPartsOfASubmission) {
   ASSERT_EQ(counter_->commands().size(), 2u);
   EXPECT_EQ(counter_->commands()[0].work.operations, small.operations);
   EXPECT_EQ(counter_->commands()[1].work.operations, large.operations);
+}
+
+TEST_F(VulkanWorkCounter, CountsTheBytesOfVectors) {
+  Kernel<CountedLoopsPush> vectors(device(), shaders::kCountedVectors, kGroup);
+  for (DeviceBuffer* buffer : {&values_, &sums_}) buffer->resize<float>(4 * kGroup);
+  const CountedLoopsPush both{.values = values_.address(), .sums = sums_.address()};
+  counter_->clear();
+  run([&](Commands& commands) { commands.dispatch(vectors, both, kGroup); });
+  ASSERT_EQ(counter_->commands().size(), 1u);
+  EXPECT_EQ(counter_->commands()[0].work.bytesRead, 16u * kGroup);
+  EXPECT_EQ(counter_->commands()[0].work.bytesWritten, 16u * kGroup);
 }
 
 TEST_F(VulkanWorkCounter, CountsBytesAndRounds) {

@@ -224,7 +224,7 @@ Work workOf(const Types& types, Words words) {
     const uint32_t storage = types.storageOf(words[isStore ? 1 : 3]);
     if (storage == kWorkgroup) return {.operations = 1};
     if (storage != kBuffer) return {};
-    const uint32_t bytes = types.bytes(isStore ? types.typeOf(words.back()) : words[1]);
+    const uint32_t bytes = types.bytes(!isStore ? words[1] : types.typeOf(words[op == OpStore ? 2 : 4]));
     const bool reads = !isStore, writes = isStore || (isAtomic(op) && op != OpAtomicLoad);
     return {.operations = 1,
             .bytesRead = reads ? bytes : 0,

@@ -15,7 +15,7 @@ StageRecorder::StageRecorder(Device& device)
       faceSearch_(device, &scratch_),
       surfaceTree_(device),
       exactDistance_(device, &scratch_),
-      refine_(device),
+      refine_(device, &scratch_),
       rasterDistance_(device),
       crossings_(device, &scratch_),
       rayMap_(device),

@@ -18,7 +18,7 @@ void StageRecorder::reserveCells() {
   if (isRaster())
     rasterDistance_.reserve(extent_.dims, data);
   else
-    refine_.reserve(extent_.dims, data);
+    refine_.reserve(extent_.dims, extent_.triangles, data);
 }
 
 bool StageRecorder::fits(const Findings& findings) const {

@@ -79,7 +79,7 @@ class CellProbe : public Probe {
     DeviceBuffer distance(device(), "distance"), triangle(device(), "triangle");
     distance.resize<float>(CellLattice{mesh.dims}.count());
     triangle.resize<uint32_t>(CellLattice{mesh.dims}.count());
-    refine_.reserve(mesh.dims, data);
+    refine_.reserve(mesh.dims, triangles.triangleCount, data);
     run([&](Commands& commands) {
       refine_.record(commands, triangles,
                      {.distance = distance.address(),

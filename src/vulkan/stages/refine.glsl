@@ -1,10 +1,9 @@
-// Krayer & Müller 2019, §3.3, end. Declarations shared by both kernels.
+// Krayer & Müller 2019, §3.3, end. Declarations shared by the kernels.
 
-#define RAYMAP_ROUGH_DIVISION
 #include "vulkan/stages/cell_levels.glsl"
-#include "vulkan/stages/mesh.glsl"
-#include "vulkan/stages/triangle.glsl"
 #include "vulkan/stages/refine_push.h"
+#include "vulkan/stages/surface_tree_push.h"
+#include "vulkan/stages/surface_shapes.glsl"
 
 layout(push_constant, scalar) uniform Push { RefinePush push; };
 
@@ -19,10 +18,6 @@ void take(inout Closest closest, float squared, uint triangle) {
     closest = Closest(squared, triangle);
 }
 
-vec3 corner(uint triangle, uint c) {
-  return readCorner(push.vertices, push.triangles, triangle, c);
-}
-
 // Measures every `step`-th triangle of a cell, starting with number `lane`. Returns the number of measured
 // ones.
 uint measureCell(CellLevelData level, uint cell, vec3 p, uint lane, uint step, inout Closest closest) {
@@ -33,7 +28,7 @@ uint measureCell(CellLevelData level, uint cell, vec3 p, uint lane, uint step, i
   for (uint entry = begin + lane; entry < count && level.entryCells.at[entry] == cell; entry += step) {
     if (measured++ > push.mostAlone && step == 1) break;
     const uint t = level.entryTriangles.at[entry];
-    take(closest, triangleSquaredDistance(p, corner(t, 0), corner(t, 1), corner(t, 2)), t);
+    take(closest, squaredDistance(readTriangle(push.frames, t), p), t);
   }
   return measured;
 }

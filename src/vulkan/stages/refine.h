@@ -17,19 +17,20 @@ class RefineStage {
                                    ///< first level.
   };
 
-  explicit RefineStage(Device& device);
+  explicit RefineStage(Device& device, ScratchMemory* scratch = nullptr);
 
-  /// Prepares for grids of these dims and these levels, whose stages must have reserved their memory. All
-  /// previously recorded work must have completed.
-  void reserve(const glm::ivec3& dims, std::span<const CellLevelData> levels);
+  /// Prepares for meshes of at most this many triangles, grids of these dims and these levels, whose stages
+  /// must have reserved their memory. All previously recorded work must have completed.
+  void reserve(const glm::ivec3& dims, uint32_t triangles, std::span<const CellLevelData> levels);
   void record(Commands& commands, const DeviceMesh& mesh, const Fields& fields, int reach);
 
  private:
   glm::uvec3 dims_{0};
+  Kernel<RefinePush> findFrames_;
   LatticeKernel<RefinePush> alone_, crowded_;
   CellLevels levels_;
   DispatchArguments arguments_;
-  DeviceBuffer crowdedCount_;
+  DeviceBuffer frames_, crowdedCount_;
 };
 
 }  // namespace raymap::vulkan

@@ -13,6 +13,7 @@ struct RefinePush {
   RAYMAP_ADDRESS(CellLevels) levels;
   RAYMAP_ADDRESS(Floats) vertices;
   RAYMAP_ADDRESS(Uints) triangles;
+  RAYMAP_ADDRESS(Vec4s) frames;     // Of each triangle; see surface_shapes.glsl.
   RAYMAP_ADDRESS(Floats) distance;  // One value per sample.
   RAYMAP_ADDRESS(Uints) closest;    // Index of the closest triangle per sample; 0: not requested.
   RAYMAP_ADDRESS(Uints) crowded;    // Samples with so many triangles that a whole group measures them.
@@ -21,7 +22,9 @@ struct RefinePush {
   uint levelCount;
   uint reach;      // 1: also measures the neighbours of the nearest cell.
   uint mostAlone;  // Triangles that one invocation measures alone, at most.
+  uint triangleCount;
+  uint unused;
 };
-RAYMAP_CHECK_SIZE(RefinePush, 80);
+RAYMAP_CHECK_SIZE(RefinePush, 96);
 
 RAYMAP_SHARED_END
