@@ -25,8 +25,7 @@ TRAFFIC = {
     "crossings": (12, 0, *MESH),
     "ray_map": (24, 0, 0, 0),
     "winding": (16, 0, 0, 0),
-    "sign": (12, 0, 0, 0),
-    "finish": (8, 0, 0, 0),
+    "finish": (12, 0, 0, 0),  # With the sign.
 }
 
 

@@ -25,7 +25,6 @@ StageRecorder::StageRecorder(Device& device)
       windingDipoles_(device, &scratch_),
       windingRims_(device, &scratch_),
       closeHoles_(device),
-      sign_(device),
       finish_(device),
       windingNumber_(device, "winding number", &scratch_) {}
 
@@ -167,18 +166,18 @@ void StageRecorder::recordPatch(const HolePatch& patch) {
                              {.distance = results_.distance, .triangle = results_.triangle});
 }
 
-void StageRecorder::sign() {
-  sign_.record(*commands_,
-               {.rays = crossings_.lines().axes,
-                .winding = results_.winding,
-                .distance = results_.distance,
-                .confidence = results_.confidence},
-               glm::uvec3(extent_.dims), options_->threshold, options_->invert);
-}
-
 void StageRecorder::recordFinish() {
-  finish_.record(*commands_, results_.distance, static_cast<uint32_t>(sampleCount()), options_->band,
-                 grid_->spacing);
+  FinishStage::Fields fields{.distance = results_.distance};
+  if (hasSign())
+    fields = {.rays = crossings_.lines().axes,
+              .winding = results_.winding,
+              .distance = results_.distance,
+              .confidence = results_.confidence};
+  finish_.record(*commands_, fields, glm::uvec3(extent_.dims),
+                 {.threshold = options_->threshold,
+                  .isInverted = options_->invert,
+                  .band = options_->band,
+                  .spacing = grid_->spacing});
 }
 
 void StageRecorder::recordFindings(VkBuffer to, VkDeviceSize offset) {

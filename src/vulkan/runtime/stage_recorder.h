@@ -21,7 +21,6 @@
 #include "vulkan/stages/raster_distance.h"
 #include "vulkan/stages/ray_map.h"
 #include "vulkan/stages/refine.h"
-#include "vulkan/stages/sign.h"
 #include "vulkan/stages/surface_tree.h"
 #include "vulkan/stages/voxel_grid.h"
 #include "vulkan/stages/winding.h"
@@ -44,7 +43,7 @@ class StageRecorder {
   void rasterDistance();
   void crossings();
   void rayMap();
-  void sign();
+  void sign() {}  // A part of `finish`.
 
  protected:
   /// Capacities to reserve.
@@ -169,7 +168,6 @@ class StageRecorder {
   WindingDipolesStage windingDipoles_;
   WindingRimsStage windingRims_;
   CloseHolesStage closeHoles_;
-  SignStage sign_;
   FinishStage finish_;
   DeviceBuffer windingNumber_;  // Used if the results have no buffer for it.
 };

@@ -11,8 +11,8 @@
 #include "vulkan/self_test/checks.h"
 #include "vulkan/self_test/compare.h"
 #include "vulkan/stages/close_holes.h"
+#include "vulkan/stages/finish.h"
 #include "vulkan/stages/orientation.h"
-#include "vulkan/stages/sign.h"
 #include "vulkan/stages/winding_doubts.h"
 
 namespace raymap::vulkan {
@@ -166,7 +166,7 @@ void checkSign(Subject& subject) {
   for (size_t i = 0; i < values.size(); ++i) values[i] = 0.1f * (float(i % 27) - 13.0f);
   values[5] = 0.5f;
   const DeviceBuffer winding = probe.upload(values, "winding");
-  SignStage sign(probe.device());
+  FinishStage finish(probe.device());
   for (const double threshold : {0.3, 0.5, 1.2})
     for (const bool isInverted : {false, true}) {
       Buffer<float> expected(values.size()), confidences;
@@ -174,12 +174,12 @@ void checkSign(Subject& subject) {
       const DeviceBuffer distance = probe.upload(expected, "distance"),
                          confidence = probe.upload(expected, "confidence");
       probe.run([&](Commands& commands) {
-        sign.record(commands,
-                    {.rays = rays.addresses(),
-                     .winding = winding.address(),
-                     .distance = distance.address(),
-                     .confidence = confidence.address()},
-                    glm::uvec3(dims), threshold, isInverted);
+        finish.record(commands,
+                      {.rays = rays.addresses(),
+                       .winding = winding.address(),
+                       .distance = distance.address(),
+                       .confidence = confidence.address()},
+                      glm::uvec3(dims), {.threshold = threshold, .isInverted = isInverted});
       });
       cpu::applySign(values, threshold, isInverted, expected);
       computeConfidence(map, values, threshold, confidences);

@@ -85,7 +85,8 @@ void checkFinish(Subject& subject) {
   const auto finished = [&](double band) {
     const DeviceBuffer distance = subject.probe.upload(values, "distance");
     subject.probe.run([&](Commands& commands) {
-      finish.record(commands, distance.address(), uint32_t(values.size()), band, 0.5);
+      finish.record(commands, {.distance = distance.address()}, {values.size(), 1, 1},
+                    {.band = band, .spacing = 0.5});
     });
     return subject.probe.download<float>(distance);
   };

@@ -1,18 +1,23 @@
-// Clamps the distances to the band and converts them to the mesh's units.
+// Applies the sign, clamps the distances to the band, and converts them to the mesh's units.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "vulkan/device/kernel.glsl"
-#include "vulkan/stages/finish_push.h"
-
-layout(push_constant, scalar) uniform Push { FinishPush push; };
+#include "vulkan/stages/sign.glsl"
 
 void main() {
+  const uint count = push.gridX * push.gridY * push.gridZ;
   const uint first = groupIndex() * kFinishedEach * gl_WorkGroupSize.x + gl_LocalInvocationID.x;
-  float distances[kFinishedEach];
-  [[unroll]] for (uint n = 0; n < kFinishedEach; ++n)
-    distances[n] = push.distance.at[min(first + n * gl_WorkGroupSize.x, push.count - 1)];
+  const bool isSigned = uint64_t(push.winding) != 0;
+  float distances[kFinishedEach], windings[kFinishedEach];
+  [[unroll]] for (uint n = 0; n < kFinishedEach; ++n) {
+    const uint i = min(first + n * gl_WorkGroupSize.x, count - 1);
+    distances[n] = push.distance.at[i];
+    windings[n] = isSigned ? abs(push.winding.at[i]) : 0.0;
+  }
   [[unroll]] for (uint n = 0; n < kFinishedEach; ++n) {
     const uint i = first + n * gl_WorkGroupSize.x;
-    if (i < push.count) push.distance.at[i] = clamp(distances[n], -push.band, push.band) * push.scale;
+    if (i >= count) return;
+    const float distance = isSigned ? signedBy(windings[n], distances[n], i) : distances[n];
+    push.distance.at[i] = clamp(distance, -push.band, push.band) * push.scale;
   }
 }

@@ -1,4 +1,4 @@
-// Last stage: distances in the mesh's units.
+// Krayer & Müller 2019, §3.5, end: the winding number's threshold. Then distances in the mesh's units.
 
 #include "vulkan/stages/finish.h"
 
@@ -9,16 +9,23 @@
 
 namespace raymap::vulkan {
 
-FinishStage::FinishStage(Device& device) : kernel_(device, shaders::kFinish, 128) {}
+FinishStage::FinishStage(Device& device) : kernel_(device, shaders::kFinish, kGroup) {}
 
-void FinishStage::record(Commands& commands, VkDeviceAddress distance, uint32_t count, double band,
-                         double spacing) {
+void FinishStage::record(Commands& commands, const Fields& fields, const glm::uvec3& dims,
+                         const Options& options) {
   commands.dispatch(kernel_,
-                    {.distance = distance,
-                     .count = count,
-                     .band = band > 0.0 ? static_cast<float>(band) : INFINITY,
-                     .scale = static_cast<float>(spacing)},
-                    ceilDiv(count, kFinishedEach));
+                    {.rays = {fields.rays[0], fields.rays[1], fields.rays[2]},
+                     .winding = fields.winding,
+                     .distance = fields.distance,
+                     .confidence = fields.confidence,
+                     .gridX = dims.x,
+                     .gridY = dims.y,
+                     .gridZ = dims.z,
+                     .threshold = static_cast<float>(options.threshold),
+                     .isInverted = options.isInverted ? 1U : 0U,
+                     .band = options.band > 0.0 ? static_cast<float>(options.band) : INFINITY,
+                     .scale = static_cast<float>(options.spacing)},
+                    ceilDiv(uint64_t{dims.x} * dims.y * dims.z, kFinishedEach));
 }
 
 }  // namespace raymap::vulkan

@@ -1,12 +1,9 @@
-// Krayer & Müller 2019, §3.5, end: applies the winding number's threshold and rates the confidence
-// (cpu/sign/sign.h).
-#version 460
-#extension GL_GOOGLE_include_directive : require
-#include "vulkan/device/kernel.glsl"
-#include "vulkan/stages/ray_map.glsl"
-#include "vulkan/stages/sign_push.h"
+// Krayer & Müller 2019, §3.5, end: the winding number's threshold, and the confidence. GPU twin of cpu/sign/sign.h.
 
-layout(push_constant, scalar) uniform Push { SignPush push; };
+#include "vulkan/stages/ray_map.glsl"
+#include "vulkan/stages/finish_push.h"
+
+layout(push_constant, scalar) uniform Push { FinishPush push; };
 
 // Returns how many of the two rays along an axis give the same sign, each on its own.
 uint votes(Ints rays, uint axis, ivec3 s, ivec3 dims, bool inside) {
@@ -32,20 +29,9 @@ void writeConfidence(uint i, float w, bool inside) {
   push.confidence.at[i] = rate(w, inside, ivec3(i % push.gridX, row % push.gridY, row / push.gridY), dims);
 }
 
-void main() {
-  const uint count = push.gridX * push.gridY * push.gridZ;
-  const uint first = groupIndex() * kSignedEach * gl_WorkGroupSize.x + gl_LocalInvocationID.x;
-  float distances[kSignedEach], windings[kSignedEach];
-  [[unroll]] for (uint n = 0; n < kSignedEach; ++n) {
-    const uint i = min(first + n * gl_WorkGroupSize.x, count - 1);
-    distances[n] = push.distance.at[i];
-    windings[n] = abs(push.winding.at[i]);
-  }
-  [[unroll]] for (uint n = 0; n < kSignedEach; ++n) {
-    const uint i = first + n * gl_WorkGroupSize.x;
-    if (i >= count) return;
-    const bool inside = windings[n] > push.threshold;
-    if (inside != (push.isInverted != 0)) push.distance.at[i] = -distances[n];
-    if (uint64_t(push.confidence) != 0) writeConfidence(i, windings[n], inside);
-  }
+// Returns the distance with the sign that the size of the winding number gives.
+float signedBy(float w, float distance, uint i) {
+  const bool inside = w > push.threshold;
+  if (uint64_t(push.confidence) != 0) writeConfidence(i, w, inside);
+  return inside != (push.isInverted != 0) ? -distance : distance;
 }
