@@ -8,7 +8,7 @@
 
 #include "shaders/number_invocations.h"
 #include "shaders/number_invocations_spv.h"
-#include "testing/kernels/vulkan_entry.h"
+#include "told_limits.h"
 #include "vulkan/device/scratch_memory.h"
 #include "vulkan_device.h"
 
@@ -87,34 +87,22 @@ TEST_F(VulkanBuffer, RefusesMoreMemoryThanThereIs) {
   EXPECT_NE(buffer.address(), 0u);
 }
 
-PFN_vkGetPhysicalDeviceProperties2 realProperties = nullptr;
-VkDeviceSize toldBufferSize = 0, toldAllocationSize = 0;
-
-/// Calls the driver's function, then lowers or raises limits.
-VKAPI_ATTR void VKAPI_CALL tellOtherLimits(VkPhysicalDevice device, VkPhysicalDeviceProperties2* properties) {
-  realProperties(device, properties);
-  for (auto* next = static_cast<VkBaseOutStructure*>(properties->pNext); next; next = next->pNext) {
-    if (next->sType == VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_1_PROPERTIES)
-      reinterpret_cast<VkPhysicalDeviceVulkan11Properties*>(next)->maxMemoryAllocationSize =
-          toldAllocationSize;
-    if (next->sType == VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_PROPERTIES)
-      reinterpret_cast<VkPhysicalDeviceVulkan13Properties*>(next)->maxBufferSize = toldBufferSize;
-  }
-}
-
 /// Returns a device that tells these limits.
-Device deviceTelling(VkDeviceSize bufferSize, VkDeviceSize allocationSize) {
-  toldBufferSize = bufferSize;
-  toldAllocationSize = allocationSize;
-  const ReplacedEntry replaced(vkGetPhysicalDeviceProperties2, tellOtherLimits);
-  realProperties = replaced.real();
-  return Device({.validation = Validation::Off});
+Device deviceWithBuffers(VkDeviceSize bufferSize, VkDeviceSize allocationSize) {
+  return deviceTelling([=](VkPhysicalDeviceProperties2& properties) {
+    if (auto* v11 = ToldLimits::find<VkPhysicalDeviceVulkan11Properties>(
+            properties, VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_1_PROPERTIES))
+      v11->maxMemoryAllocationSize = allocationSize;
+    if (auto* v13 = ToldLimits::find<VkPhysicalDeviceVulkan13Properties>(
+            properties, VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_PROPERTIES))
+      v13->maxBufferSize = bufferSize;
+  });
 }
 
 TEST_F(VulkanBuffer, KeepsBuffersBelowEveryLimit) {
   constexpr VkDeviceSize kMebi = 1 << 20, kHuge = VkDeviceSize{1} << 40;
   for (const auto& [bufferSize, allocationSize] : {std::pair(kMebi, kHuge), std::pair(kHuge, kMebi)}) {
-    Device small = deviceTelling(bufferSize, allocationSize);
+    Device small = deviceWithBuffers(bufferSize, allocationSize);
     DeviceBuffer buffer(small, "distance");
     buffer.resize<std::byte>(kMebi);
     EXPECT_EQ(buffer.bytes(), kMebi);
@@ -129,7 +117,7 @@ TEST_F(VulkanBuffer, KeepsBuffersBelowEveryLimit) {
     }
   }
   // Kernels number 2^31 elements of four bytes.
-  EXPECT_EQ(deviceTelling(kHuge, kHuge).limits().bufferSize, VkDeviceSize{1} << 33);
+  EXPECT_EQ(deviceWithBuffers(kHuge, kHuge).limits().bufferSize, VkDeviceSize{1} << 33);
 }
 
 TEST_F(VulkanBuffer, SharesScratchMemory) {

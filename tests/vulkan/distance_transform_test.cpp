@@ -1,6 +1,7 @@
 #include "vulkan/stages/distance_transform.h"
 
 #include "cells.h"
+#include "told_limits.h"
 #include "vulkan/self_test/compare.h"
 #include "vulkan_device.h"
 
@@ -40,6 +41,27 @@ TEST_F(VulkanDistanceTransform, TakesTheLowerOfAlmostEqualValues) {
   for (float& value : f)
     if (value == 0.0f) value = 1e-14f * static_cast<float>(random() % 1000);
   expectAsOnTheCpu(dims, f);
+}
+
+TEST_F(VulkanDistanceTransform, FindsCellsAtTheEndsOfLines) {
+  for (const int length : {2, 15, 16, 17, 32, 33, 65, 150, 513})
+    for (const glm::vec2 ends : {glm::vec2(0.0f), glm::vec2(1.0f), glm::vec2(0.0f, 1.0f), glm::vec2(0.5f)}) {
+      const CellLattice cells{{5, length, length > 99 ? 2 : length}};
+      Buffer<float> f = randomCells(cells.dims, 0.0, 1);
+      for (const float end : {ends.x, ends.y})
+        f[cells.index({3, end * float(length - 1), end * float(cells.dims.z - 1)})] = 0.25f;
+      expectAsOnTheCpu(cells.dims, f);
+    }
+}
+
+TEST_F(VulkanDistanceTransform, FitsIntoLittleSharedMemory) {
+  Device little = deviceTelling(
+      [](VkPhysicalDeviceProperties2& told) { told.properties.limits.maxComputeSharedMemorySize = 16384; });
+  CellProbe probe(little);
+  unsigned seed = 0;
+  for (const glm::ivec3 dims : {glm::ivec3(3, 1984, 1), glm::ivec3(2, 1, 1984), glm::ivec3(40, 130, 17)})
+    for (const double share : {0.001, 0.3}) compareTransform(probe, dims, randomCells(dims, share, ++seed));
+  EXPECT_THROW(DistanceTransformStage(little).reserve({1, 1985, 1}), Error);
 }
 
 TEST_F(VulkanDistanceTransform, RefusesLinesThatDoNotFit) {

@@ -154,7 +154,7 @@ std::map<std::string, Arithmetic> arithmeticOf(const Shader& shader) {
 TEST(Kernels, ForbidDriversToContractWhatMustBeRounded) {
   std::map<std::string, std::set<std::string>> rounded = {
       {"surface_tree_leaves", {"exactSum", "renormalized", "exactProduct", "pairSum", "pairProduct"}},
-      {"distance_transform", {"isNoHigher"}},
+      {"distance_transform", {"fractionOf"}},
       {"cell_distance", {"dotExactly", "crossExactly"}}};
   for (const Shader& shader : shaders::kAll) {
     const auto functions = arithmeticOf(shader);

@@ -1,4 +1,4 @@
-// Krayer & Müller 2019, §3.3, Algorithms 1 and 2, along y or z.
+// Krayer & Müller 2019, §3.3, Algorithms 1 and 2, along y or z, by divide and conquer.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "vulkan/device/kernel.glsl"
@@ -6,157 +6,44 @@
 #include "vulkan/stages/distance_transform_push.h"
 
 layout(constant_id = 1) const uint kAxis = 1;
-layout(constant_id = 2) const uint kCells = 1;     // Maximum number of cells in a group's lines.
-layout(constant_id = 3) const uint kSegments = 1;  // Maximum number of segments in a group's lines.
+layout(constant_id = 2) const uint kCells = 1;  // Maximum number of cells in a group's lines.
+layout(constant_id = 3) const uint kMarks = 1;  // Maximum number of runs in a group's lines.
 layout(push_constant, scalar) uniform Push { DistanceTransformPush push; };
 
-const uint kCellsAtOnce = 4;  // Cells that an invocation loads or stores at once.
+const uint kCellsAtOnce = 4;       // Cells that an invocation loads at once.
+const uint kNoValue = 0x7fffffff;  // Whole part of a cell without a value, more than any other.
 
-// Each segment stores its sites in its first places: the site's value, its place q in the line, and the first
-// p from which on it is the lowest so far. In the end, the value's place holds the site of each p.
-shared uint values[kCells];
-shared uint sites[kCells];        // q | first p << 16.
-shared uint segments[kSegments];  // Sites left: begin | end << 16. In the end: the last site.
+// Value f(q) of a cell: its fraction's bits, then its whole part plus q^2. Lines are interleaved, as are marks.
+shared uvec2 values[kCells];
+// Best site of the sample before each run. Until one is known, candidates lie from its place on.
+shared uint marks[kMarks];
 
-// The group's lines in memory.
-struct Tile {
-  uint base;    // First cell of the first line.
-  uint stride;  // From a cell to the next one of its line.
-  uint lines;   // Number of lines, adjacent in x.
+// The line of an invocation.
+struct Line {
+  uint number;  // In the group.
+  uint first;   // First cell in memory.
+  uint stride;  // From a cell to the next one.
 };
 
 uint lineLength() {
   return kAxis == 1 ? push.ny : push.nz;
 }
-
-uint groupCount() {
-  return ceilDiv(push.nx, push.lines) * (kAxis == 1 ? push.nz : push.ny);
+uint cellAt(Line line, uint p) {
+  return line.first + p * line.stride;
+}
+// Returns the place in shared memory of a cell or run.
+uint placeOf(Line line, uint p) {
+  return p * push.lines + line.number;
 }
 
-Tile tileOf(uint group) {
-  const uint tilesInRow = ceilDiv(push.nx, push.lines);
-  const uint x = group % tilesInRow * push.lines, outer = group / tilesInRow;
-  const uint plane = push.nx * push.ny;
-  return Tile(outer * (kAxis == 1 ? plane : push.nx) + x, kAxis == 1 ? push.nx : plane,
-              min(push.lines, push.nx - x));
-}
-
-// Returns the place in shared memory.
-uint placeOf(uint line, uint p) {
-  return p * push.lines + line;
-}
-
-float valueAt(uint line, uint slot) {
-  return uintBitsToFloat(values[placeOf(line, slot)]);
-}
-uint siteAt(uint line, uint slot) {
-  return sites[placeOf(line, slot)] & 0xffff;
-}
-int firstAt(uint line, uint slot) {
-  return int(sites[placeOf(line, slot)] >> 16);
-}
-void writeSlot(uint line, uint slot, float value, uint q, int first) {
-  values[placeOf(line, slot)] = floatBitsToUint(value);
-  sites[placeOf(line, slot)] = q | uint(first) << 16;
-}
-
-// Returns, in exact arithmetic, whether the parabola of site a is at most as high as that of b > a at p.
-bool isNoHigher(int a, float valueA, int b, float valueB, int p) {
-  const int64_t asked = int64_t(b - a) * int64_t(2 * p - a - b);
-  const float wholeA = floor(valueA), wholeB = floor(valueB);
-  const int64_t left = int64_t(wholeB) - int64_t(wholeA) - asked;
-  if (left != 0) return left > 0;
-  precise const float partA = valueA - wholeA, partB = valueB - wholeB;  // Both exact.
-  return partB >= partA;
-}
-
-// Returns the last p, at least -1, at which the parabola of site a is at most as high as that of b > a.
-int lastOf(uint siteA, float valueA, uint siteB, float valueB) {
-  const float kBorderMargin = 1.0 / 64.0;  // More than rounding moves a border.
-  const int a = int(siteA), b = int(siteB), n = int(lineLength());
-  const float border = 0.5 * ((valueB - valueA) / float(b - a) + float(a + b));
-  const float clamped = clamp(border, -0.5, float(n)) + kBorderMargin;
-  const int p = int(clamped + 1.0) - 1;
-  return clamped - float(p) > 2.0 * kBorderMargin || isNoHigher(a, valueA, b, valueB, p) ? p : p - 1;
-}
-
-// Algorithm 2, lines 28-44, within one segment of a line.
-void buildEnvelope(uint line, uint segment) {
-  const uint begin = segment * kSegmentCells, end = min(begin + kSegmentCells, lineLength());
-  uint top = begin;  // After the last site kept.
-  for (uint q = begin; q < end; ++q) {
-    const float value = valueAt(line, q);
-    if (value >= push.empty) continue;
-    int first = 0;
-    while (top > begin) {
-      first = lastOf(siteAt(line, top - 1), valueAt(line, top - 1), q, value) + 1;
-      if (first > firstAt(line, top - 1)) break;
-      --top;
-      first = 0;
-    }
-    if (first < int(lineLength())) writeSlot(line, top++, value, q, first);
-  }
-  segments[line * push.segments + segment] = begin | top << 16;
-}
-
-uint beginOf(uint line, uint segment) {
-  return segments[line * push.segments + segment] & 0xffff;
-}
-uint endOf(uint line, uint segment) {
-  return segments[line * push.segments + segment] >> 16;
-}
-
-// Returns the last slot of the segments [first, end), or -1.
-int lastSlot(uint line, uint first, uint end) {
-  while (end > first) {
-    --end;
-    if (beginOf(line, end) < endOf(line, end)) return int(endOf(line, end)) - 1;
-  }
-  return -1;
-}
-int firstSlot(uint line, uint first, uint end) {
-  for (; first < end; ++first)
-    if (beginOf(line, first) < endOf(line, first)) return int(beginOf(line, first));
-  return -1;
-}
-int nextSlot(uint line, uint slot, uint end) {
-  const uint segment = slot / kSegmentCells;
-  return slot + 1 < endOf(line, segment) ? int(slot) + 1 : firstSlot(line, segment + 1, end);
-}
-
-void dropLast(uint line, uint slot) {
-  const uint segment = slot / kSegmentCells;
-  segments[line * push.segments + segment] = beginOf(line, segment) | slot << 16;
-}
-void dropFirst(uint line, uint slot) {
-  const uint segment = slot / kSegmentCells;
-  segments[line * push.segments + segment] = (slot + 1) | endOf(line, segment) << 16;
-}
-
-// Merges the envelopes of the segments [first, middle) and [middle, end). All sites of the first envelope lie
-// before those of the second, so its beginning stays, and the end of the second.
-void mergeEnvelopes(uint line, uint first, uint middle, uint end) {
-  int i = lastSlot(line, first, middle), j = firstSlot(line, middle, end);
-  int from = 0;
-  while (i >= 0 && j >= 0) {
-    from = lastOf(siteAt(line, i), valueAt(line, i), siteAt(line, j), valueAt(line, j)) + 1;
-    if (from <= firstAt(line, i)) {
-      dropLast(line, i);
-      i = lastSlot(line, first, i / kSegmentCells + 1);
-      from = 0;
-      continue;
-    }
-    const int next = nextSlot(line, j, end);
-    if (from < (next < 0 ? int(lineLength()) : firstAt(line, next))) break;
-    dropFirst(line, j);
-    j = next;
-  }
-  if (j >= 0) sites[placeOf(line, j)] = siteAt(line, j) | uint(from) << 16;
+uint fractionOf(float value) {
+  precise const float fraction = value - floor(value);  // Exact.
+  return floatBitsToUint(fraction);
 }
 
 // Returns the value of a cell before this pass: its own value plus the squared distances along the finished
 // axes. Reads memory even if the cell has no value, so that the reads of several cells can overlap.
-float valueBefore(uint cell, uint x, uint y, uint p) {
+uvec2 valueBefore(uint cell, uint x, uint y, uint p) {
   const uint nearest = push.from.at[cell];
   const uint nearestX = nearest == kNoCell ? x : nearest & 0xffff;
   const float dx = float(int(x) - int(nearestX));
@@ -168,119 +55,125 @@ float valueBefore(uint cell, uint x, uint y, uint p) {
     const float dy = float(int(y) - int(nearestY));
     value = dy * dy + (dx * dx + push.values.at[(p * push.ny + nearestY) * push.nx + nearestX]);
   }
-  return nearest == kNoCell ? push.empty : value;
+  return uvec2(fractionOf(value), p * p + (nearest == kNoCell ? kNoValue : uint(value)));
 }
 
-// Returns the word to write for the nearest cell at q, which the pass before found in `cell`.
-uint resultOf(uint cell, uint q) {
-  const uint nearest = push.from.at[cell];
-  if (kAxis == 1) return nearest | q << 16;
-  return (q * push.ny + (nearest >> 16)) * push.nx + (nearest & 0xffff);
-}
-
-uint cellOf(Tile tile, uint line, uint p) {
-  return tile.base + p * tile.stride + line;
-}
-
-// Returns line and p of a place in shared memory.
-uvec2 lineAt(uint place) {
-  return uvec2(place & (push.lines - 1), place >> findLSB(push.lines));
-}
-
-uint placeCount() {
-  return lineLength() * push.lines;
-}
-
-// Returns the n-th place that an invocation loads and stores, from `first` on.
-uint placeAfter(uint first, uint n) {
-  return first + n * gl_WorkGroupSize.x;
-}
-
-void load(Tile tile) {
-  const uint count = placeCount(), x = tile.base % push.nx, y = tile.base / push.nx;
-  for (uint first = gl_LocalInvocationID.x; first < count; first += kCellsAtOnce * gl_WorkGroupSize.x) {
-    float loaded[kCellsAtOnce];
+// Loads the cells row, row + rows, ...
+void load(Line line, uint x, uint y, uint row, uint rows) {
+  const uint length = lineLength();
+  for (uint first = row; first < length; first += kCellsAtOnce * rows) {
+    uvec2 loaded[kCellsAtOnce];
     [[unroll]] for (uint n = 0; n < kCellsAtOnce; ++n) {
-      uvec2 at = lineAt(min(placeAfter(first, n), count - 1));
-      at.x = min(at.x, tile.lines - 1);
-      loaded[n] = valueBefore(cellOf(tile, at.x, at.y), x + at.x, y, at.y);
-    }
-    [[unroll]] for (uint n = 0; n < kCellsAtOnce; ++n)
-      if (placeAfter(first, n) < count) values[placeAfter(first, n)] = floatBitsToUint(loaded[n]);
-  }
-}
-
-void store(Tile tile) {
-  const uint count = placeCount();
-  for (uint first = gl_LocalInvocationID.x; first < count; first += kCellsAtOnce * gl_WorkGroupSize.x) {
-    uint results[kCellsAtOnce];
-    [[unroll]] for (uint n = 0; n < kCellsAtOnce; ++n) {
-      uvec2 at = lineAt(min(placeAfter(first, n), count - 1));
-      at.x = min(at.x, tile.lines - 1);
-      const uint q = values[placeOf(at.x, at.y)];
-      const uint nearest = resultOf(cellOf(tile, at.x, q == kNoCell ? at.y : q), q);
-      results[n] = q == kNoCell ? kNoCell : nearest;
+      const uint p = min(first + n * rows, length - 1);
+      loaded[n] = valueBefore(cellAt(line, p), x, y, p);
     }
     [[unroll]] for (uint n = 0; n < kCellsAtOnce; ++n) {
-      const uvec2 at = lineAt(placeAfter(first, n));
-      if (placeAfter(first, n) < count && at.x < tile.lines) push.to.at[cellOf(tile, at.x, at.y)] = results[n];
+      const uint p = first + n * rows;
+      if (p < length) values[placeOf(line, p)] = loaded[n];
     }
   }
 }
 
-// Lines 45-54, step 1: writes each remaining site to the p at which it starts to be the lowest.
-void markFirsts(uint line, uint segment) {
-  const uint end = endOf(line, segment);
-  for (uint slot = beginOf(line, segment); slot < end; ++slot) {
-    const int first = firstAt(line, slot), next = nextSlot(line, slot, push.segments);
-    if (first < (next < 0 ? int(lineLength()) : firstAt(line, next)))
-      values[placeOf(line, first)] = siteAt(line, slot);
-  }
+// Returns (p - q)^2 + f(q) of the site q at a place, to compare with others: the whole part, then the fraction.
+// `rise` is (p - q)^2 - q^2, modulo 2^32.
+uint64_t heightAt(uint place, uint rise) {
+  const uvec2 value = values[place];
+  return packUint2x32(uvec2(value.x, value.y + rise));
 }
 
-// Step 2: carries the sites through the segment.
-void carryWithin(uint line, uint begin, uint end, uint segment) {
-  uint site = kNoCell;
-  for (uint p = begin; p < end; ++p) {
-    const uint place = placeOf(line, p);
-    if (values[place] == kNoCell) values[place] = site;
-    site = values[place];
+// Returns the best of the sites from `first` to `last` for a sample p: that of the lowest parabola, and the first
+// of equal ones.
+uint bestOf(Line line, uint p, uint first, uint last) {
+  if (first == last) return first;
+  uint best = first, place = placeOf(line, first), rise = p * (p - 2 * first);
+  const uint fall = 2 * p;
+  uint64_t least = heightAt(place, rise);
+  for (uint q = first + 1; q <= last; ++q) {
+    place += push.lines;
+    rise -= fall;
+    const uint64_t height = heightAt(place, rise);
+    if (height < least) {
+      least = height;
+      best = q;
+    }
   }
-  segments[line * push.segments + segment] = site;
+  return best;
 }
 
-// Step 3: carries the last site into the next segment, up to the first site there.
-void carryAcross(uint line, uint begin, uint end, uint segment) {
-  uint site = kNoCell;
-  while (segment > 0 && site == kNoCell) site = segments[line * push.segments + --segment];
-  for (uint p = begin; p < end && values[placeOf(line, p)] == kNoCell; ++p) values[placeOf(line, p)] = site;
+// Returns the sample before a run.
+uint markOf(uint run) {
+  return run * kRunCells - 1;
+}
+// Returns the best site of the sample before a run, or the last site of the line.
+uint boundAt(Line line, uint run) {
+  return run < push.runs ? marks[placeOf(line, run)] : lineLength() - 1;
+}
+
+// Finds the best one in one of `step` parts of the sites between the marks `step` runs before and after.
+void searchPart(Line line, uint run, uint step, uint part) {
+  const uint first = boundAt(line, run - step), last = boundAt(line, run + step);
+  const uint width = (last - first + step) >> findLSB(step);
+  const uint begin = min(first + part * width, last);
+  marks[placeOf(line, run + part)] = bestOf(line, markOf(run), begin, min(begin + width - 1, last));
+}
+
+// Takes the best of the parts' candidates; the first ones have the lower sites.
+void mergeParts(Line line, uint run, uint parts) {
+  const uint p = markOf(run);
+  uint best = marks[placeOf(line, run)];
+  uint64_t least = heightAt(placeOf(line, best), p * (p - 2 * best));
+  for (uint part = 1; part < parts; ++part) {
+    const uint q = marks[placeOf(line, run + part)];
+    const uint64_t height = heightAt(placeOf(line, q), p * (p - 2 * q));
+    if (height < least) {
+      least = height;
+      best = q;
+    }
+  }
+  marks[placeOf(line, run)] = best;
+}
+
+// Writes the nearest cell of sample p, whose best site is q: the word of the pass before, with q.
+void store(Line line, uint p, uint q) {
+  const uint nearest = push.from.at[cellAt(line, q)];
+  const uint result =
+      kAxis == 1 ? nearest | q << 16 : (q * push.ny + (nearest >> 16)) * push.nx + (nearest & 0xffff);
+  if (p < lineLength()) push.to.at[cellAt(line, p)] = nearest == kNoCell ? kNoCell : result;
+}
+
+// Finds the best sites of a run's samples, and writes their nearest cells.
+void finishRun(Line line, uint run) {
+  const uint before = markOf(run);
+  uint sites[kRunCells + 1];
+  sites[0] = boundAt(line, run);
+  sites[kRunCells] = boundAt(line, run + 1);
+  if (run + 1 == push.runs)
+    sites[kRunCells] = bestOf(line, markOf(run + 1), sites[0], sites[kRunCells]);
+  [[unroll]] for (uint step = kRunCells / 2; step > 0; step /= 2)
+    [[unroll]] for (uint n = step; n < kRunCells; n += 2 * step)
+      sites[n] = bestOf(line, before + n, sites[n - step], sites[n + step]);
+  [[unroll]] for (uint n = 1; n <= kRunCells; ++n) store(line, before + n, sites[n]);
 }
 
 void main() {
-  if (groupIndex() >= groupCount()) return;
-  const Tile tile = tileOf(groupIndex());
-  load(tile);
-  const uint index = gl_LocalInvocationID.x;
-  const uint line = index % push.lines, segment = index / push.lines;
-  const bool works = line < tile.lines && segment < push.segments;
-  const uint begin = segment * kSegmentCells, end = min(begin + kSegmentCells, lineLength());
-  barrier();
-  if (works) buildEnvelope(line, segment);
-  for (uint width = 1; width < push.segments; width *= 2) {
+  const uint tilesInRow = ceilDiv(push.nx, push.lines), outer = groupIndex() / tilesInRow;
+  if (outer >= (kAxis == 1 ? push.nz : push.ny)) return;
+  const uint index = gl_LocalInvocationID.x, shift = findLSB(push.lines), plane = push.nx * push.ny;
+  const uint row = index >> shift, rows = gl_WorkGroupSize.x >> shift, number = index & (push.lines - 1);
+  const uint x = (groupIndex() - outer * tilesInRow) * push.lines + number;
+  const Line line = Line(number, x + outer * (kAxis == 1 ? plane : push.nx), kAxis == 1 ? push.nx : plane);
+  const bool works = x < push.nx;
+  if (works) load(line, x, outer, row, rows);
+  if (row == 0) marks[number] = 0;
+  for (uint step = push.runs == 1 ? 0 : 1u << findMSB(push.runs - 1); step > 0; step /= 2) {
+    const uint part = row & (step - 1), run = 2 * (row - part) + step;
+    const bool searches = works && run < push.runs;
     barrier();
-    const uint first = 2 * width * segment;
-    if (line < tile.lines && first + width < push.segments)
-      mergeEnvelopes(line, first, first + width, min(first + 2 * width, push.segments));
+    if (searches) searchPart(line, run, step, part);
+    if (step == 1) break;
+    barrier();
+    if (searches && part == 0) mergeParts(line, run, step);
   }
   barrier();
-  if (works)
-    for (uint p = begin; p < end; ++p) values[placeOf(line, p)] = kNoCell;
-  barrier();
-  if (works) markFirsts(line, segment);
-  barrier();
-  if (works) carryWithin(line, begin, end, segment);
-  barrier();
-  if (works) carryAcross(line, begin, end, segment);
-  barrier();
-  store(tile);
+  for (uint run = row; works && run < push.runs; run += rows) finishRun(line, run);
 }

@@ -1,11 +1,10 @@
 // Krayer & Müller 2019, §3.3, Algorithms 1 and 2.
 //
 // Paper: one line per invocation, in shared memory, so that fewer lines are in flight as lines grow. Here:
-// along x a subgroup takes the nearest cell on each side (distance_transform_rows.comp). Along y and z
-// each invocation computes the lower envelope of one segment of a line. Then neighbouring envelopes are
-// merged, pair by pair. A group therefore has the same number of invocations at every resolution, and as many
-// lines as fit into its shared memory. Passes do not exchange values, only the nearest cell's place; the
-// value follows from it.
+// along x a subgroup takes the nearest cell on each side (distance_transform_rows.comp). Along y and z no
+// envelope is built: a sample's best site lies between those of the samples on both sides, so the middle one
+// halves the search (docs/decisions/distance_transform.md). Passes do not exchange values, only the nearest
+// cell's place; the value follows from it.
 
 #include "vulkan/stages/distance_transform.h"
 
@@ -24,34 +23,43 @@ namespace raymap::vulkan {
 
 namespace {
 
-constexpr uint32_t kBytesPerInvocation = kSegmentCells * 8 + 4;
+constexpr uint32_t kInvocations = 256;
+constexpr uint32_t kFewLines = 8;  // Fewer lines would make memory access slower.
+constexpr uint32_t kMostLines =
+    32;  // More lines would not make it faster, and would be worse for small grids.
+constexpr uint32_t kMostCells = 4352;
+constexpr uint32_t kCellBytes = 8, kMarkBytes = 4;
 
-/// Returns 256 invocations, or as many as the shared memory allows.
-uint32_t groupSizeOf(const DeviceLimits& limits) {
-  return std::min(256U, limits.sharedMemory / kBytesPerInvocation / 32 * 32);
+/// Returns the marks for the cells that fit into a group's shared memory: one for each run, and as many more
+/// as make a power of two.
+uint32_t marksOf(const DeviceLimits& limits) {
+  const uint32_t runs = ceilDiv(limits.sharedMemory, kRunCells * kCellBytes + kMarkBytes);
+  static_assert(std::bit_ceil(kMostCells / kRunCells) <=
+                2 * kInvocations);  // One mark per invocation and level.
+  return std::bit_ceil(std::min(kMostCells / kRunCells, runs));
 }
 
-uint32_t segmentsOf(int length) {
-  return static_cast<uint32_t>(ceilDiv(static_cast<uint32_t>(length), kSegmentCells));
+uint32_t cellsOf(const DeviceLimits& limits) {
+  return std::min(kMostCells, (limits.sharedMemory - kMarkBytes * marksOf(limits)) / kCellBytes);
 }
 
 }  // namespace
 
 DistanceTransformStage::DistanceTransformStage(Device& device, ScratchMemory* scratch)
-    : groupSize_(groupSizeOf(device.limits())),
+    : cells_(cellsOf(device.limits())),
       subgroupSize_(device.limits().maxSubgroupSize),
       alongX_(device, shaders::kDistanceTransformRows, std::max(kGroup, device.limits().maxSubgroupSize)),
-      alongY_(device, shaders::kDistanceTransform, groupSize_, {1, groupSize_ * kSegmentCells, groupSize_}),
-      alongZ_(device, shaders::kDistanceTransform, groupSize_, {2, groupSize_ * kSegmentCells, groupSize_}),
+      alongY_(device, shaders::kDistanceTransform, kInvocations, {1, cells_, marksOf(device.limits())}),
+      alongZ_(device, shaders::kDistanceTransform, kInvocations, {2, cells_, marksOf(device.limits())}),
       nearest_(device, "nearest cells", scratch),
       scratch_(device, "nearest cells, pass before", scratch) {}
 
 void DistanceTransformStage::reserve(const glm::ivec3& dims) {
   const auto longest = static_cast<uint32_t>(std::max({dims.x, dims.y, dims.z}));
-  if (const uint32_t most = groupSize_ * kSegmentCells; longest > most)
+  if (longest > cells_)
     throw Error(ErrorCode::Unsupported, "the grid has " + std::to_string(longest) +
                                             " samples along an axis, the device can transform at most " +
-                                            std::to_string(most) + "; use a lower resolution or the CPU");
+                                            std::to_string(cells_) + "; use a lower resolution or the CPU");
   const uint64_t count = uint64_t(dims.x) * uint64_t(dims.y) * uint64_t(dims.z);
   nearest_.resize<uint32_t>(count);
   scratch_.resize<uint32_t>(count);
@@ -79,16 +87,14 @@ DistanceTransformPush DistanceTransformStage::pushOf(VkDeviceAddress squared, Vk
 
 void DistanceTransformStage::pass(Commands& commands, Kernel<Push>& kernel, int axis, VkDeviceAddress squared,
                                   VkDeviceAddress from, VkDeviceAddress to) {
-  constexpr uint32_t kMostLines = 64;  // More lines would not make memory access faster, and would be worse
-                                       // for small grids.
   const glm::uvec3 dims(dims_);
-  const uint32_t segments = segmentsOf(dims_[axis]);
-  const uint32_t fit = std::min(kMostLines, groupSize_ / segments);
+  const auto length = static_cast<uint32_t>(dims_[axis]);
   Push push = pushOf(squared, from, to);
-  push.lines = std::bit_floor(fit);
-  push.segments = segments;
+  push.runs = ceilDiv(length, kRunCells);
+  push.lines =
+      std::bit_floor(std::min(std::clamp(kInvocations / push.runs, kFewLines, kMostLines), cells_ / length));
   const uint64_t groups = ceilDiv(dims.x, push.lines) * (axis == 1 ? dims.z : dims.y);
-  commands.dispatch(kernel, push, groups * groupSize_);
+  commands.dispatch(kernel, push, groups * kInvocations);
 }
 
 }  // namespace raymap::vulkan

@@ -34,7 +34,7 @@ class DistanceTransformStage {
   Push pushOf(VkDeviceAddress squared, VkDeviceAddress from, VkDeviceAddress to) const;
 
   glm::ivec3 dims_{0};
-  uint32_t groupSize_;
+  uint32_t cells_;         // Most cells in a group's lines.
   uint32_t subgroupSize_;  // The largest that a subgroup may be.
   Kernel<Push> alongX_, alongY_, alongZ_;
   DeviceBuffer nearest_, scratch_;

@@ -6,7 +6,7 @@
 
 RAYMAP_SHARED_BEGIN(raymap::vulkan)
 
-RAYMAP_CONSTANT uint kSegmentCells = 17;  // Cells per invocation; odd, to avoid bank conflicts.
+RAYMAP_CONSTANT uint kRunCells = 16;  // Samples that an invocation finishes; a power of two.
 
 // One pass: lines along one axis.
 struct DistanceTransformPush {
@@ -14,9 +14,9 @@ struct DistanceTransformPush {
   RAYMAP_ADDRESS(Uints) from;     // Result of the pass before.
   RAYMAP_ADDRESS(Uints) to;       // Result: x of the nearest cell, then x | y << 16, then its index.
   uint nx, ny, nz;
-  uint lines;     // Lines per group, a power of two; unused along x, as is `segments`.
-  uint segments;  // Segments per line.
-  float empty;    // Value of cells without triangles.
+  uint lines;   // Lines per group, a power of two; used along y and z, as is `runs`.
+  uint runs;    // Runs per line.
+  float empty;  // Value of cells without triangles; used along x.
 };
 RAYMAP_CHECK_SIZE(DistanceTransformPush, 48);
 
