@@ -55,12 +55,6 @@ DriverIdentity identityOf(VkPhysicalDevice device) {
           .cacheId = std::to_array(basic.pipelineCacheUUID)};
 }
 
-bool hasInt64Atomics(VkPhysicalDevice device) {
-  Features features;
-  vkGetPhysicalDeviceFeatures2(device, &features.v10);
-  return features.v12.shaderBufferInt64Atomics == VK_TRUE;
-}
-
 }  // namespace
 
 Device::Device(const DeviceOptions& options) {
@@ -104,7 +98,6 @@ void Device::makeDevice() {
                                       .pQueuePriorities = &priority};
   Features features;
   setRequired(features);
-  features.v12.shaderBufferInt64Atomics = hasInt64Atomics(handles_.physical) ? VK_TRUE : VK_FALSE;
   const VkDeviceCreateInfo info{
       .sType = VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO,
       .pNext = &features.v10,
@@ -135,8 +128,6 @@ void Device::readLimits() {
              .bufferSize = std::min({v13.maxBufferSize, v11.maxMemoryAllocationSize, kMostBytes}),
              .timestampPeriod = timestampBits > 0 ? basic.timestampPeriod : 0.0,
              .timestampBits = timestampBits,
-             // Vulkan cannot report whether a caller enabled them on a borrowed device.
-             .hasInt64Atomics = !isBorrowed_ && hasInt64Atomics(handles_.physical),
              .hasMemoryBudget = hasExtension(handles_.physical, VK_EXT_MEMORY_BUDGET_EXTENSION_NAME)};
   vkGetPhysicalDeviceMemoryProperties(handles_.physical, &memory_);
 }

@@ -31,7 +31,6 @@ struct DeviceLimits {
   uint64_t bufferSize = 0;     ///< Size of the largest buffer that kernels can use, bytes.
   double timestampPeriod = 0;  ///< Nanoseconds per timestamp step; 0 = no timestamps.
   uint32_t timestampBits = 0;  ///< Bits of a timestamp that are valid, the lowest ones.
-  bool hasInt64Atomics = false;
   bool hasMemoryBudget = false;
 };
 
