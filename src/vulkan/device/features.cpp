@@ -26,7 +26,6 @@ constexpr Required kRequired[] = {
     {"synchronization2", [](const FeatureStructs& f) -> VkBool32& { return f.v13.synchronization2; }},
     {"maintenance4", [](const FeatureStructs& f) -> VkBool32& { return f.v13.maintenance4; }},
     {"computeFullSubgroups", [](const FeatureStructs& f) -> VkBool32& { return f.v13.computeFullSubgroups; }},
-    {"subgroupSizeControl", [](const FeatureStructs& f) -> VkBool32& { return f.v13.subgroupSizeControl; }},
 };
 
 struct SubgroupOperation {
