@@ -8,6 +8,7 @@
 #include "shaders/number_invocations.h"
 #include "shaders/number_invocations_spv.h"
 #include "testing/kernels/vulkan_entry.h"
+#include "told_limits.h"
 #include "vulkan/device/features.h"
 #include "vulkan/device/instance.h"
 #include "vulkan_device.h"
@@ -43,7 +44,6 @@ TEST_F(VulkanDevice, DescribesItself) {
   EXPECT_FALSE(device().info().name.empty());
   EXPECT_EQ(device().info().problem, "");
   EXPECT_GE(device().limits().sharedMemory, 16384u);
-  EXPECT_GE(device().limits().groupSize, 128u);
   EXPECT_GT(device().limits().bufferSize, 1u << 30);
   EXPECT_GE(device().limits().maxSubgroupSize, device().limits().minSubgroupSize);
   const std::vector<DeviceInfo> all = listDevices();
@@ -53,6 +53,34 @@ TEST_F(VulkanDevice, DescribesItself) {
 
 TEST_F(VulkanDevice, RefusesAnUnknownNumber) {
   EXPECT_EQ(codeOf([] { const Device none({.index = 1000}); }), ErrorCode::Unsupported);
+}
+
+TEST_F(VulkanDevice, NamesTheLimitsThatADeviceLacks) {
+  const auto problemOf = [](ToldLimits::Change change) {
+    const ToldLimits told(std::move(change));
+    return describe(physicalDevices(sharedInstance().handle()).front()).problem;
+  };
+  const auto withSubgroups = [&](uint32_t least, uint32_t most) {
+    return problemOf([=](VkPhysicalDeviceProperties2& told) {
+      if (auto* v13 = ToldLimits::find<VkPhysicalDeviceVulkan13Properties>(
+              told, VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_PROPERTIES))
+        v13->minSubgroupSize = least, v13->maxSubgroupSize = most;
+      told.properties.limits.maxComputeSharedMemorySize = 20480;
+    });
+  };
+  EXPECT_EQ(problemOf([](auto& told) {
+              told.properties.limits.maxComputeWorkGroupInvocations = 128;
+              told.properties.limits.maxComputeWorkGroupSize[0] = 255;
+            }),
+            "it lacks a maxComputeWorkGroupInvocations of at least 256 (it is 128), a "
+            "maxComputeWorkGroupSize[0] of at least 256 (it is 255)");
+  EXPECT_EQ(problemOf([](auto& told) { told.properties.limits.maxComputeSharedMemorySize = 20479; }),
+            "it lacks a maxComputeSharedMemorySize of at least 20480 (it is 20479)");
+  EXPECT_EQ(withSubgroups(4, 16), "");
+  EXPECT_EQ(withSubgroups(128, 128), "");
+  EXPECT_EQ(withSubgroups(8, 64), "it lacks a maxComputeSharedMemorySize of at least 40960 (it is 20480)");
+  EXPECT_EQ(withSubgroups(2, 4), "it lacks a minSubgroupSize of at least 4 (it is 2)");
+  EXPECT_EQ(withSubgroups(64, 256), "it lacks a maxSubgroupSize of at most 128 (it is 256)");
 }
 
 PFN_vkEnumerateDeviceExtensionProperties realExtensions = nullptr;

@@ -122,7 +122,6 @@ void Device::readLimits() {
   vkGetPhysicalDeviceQueueFamilyProperties(handles_.physical, &count, families.data());
   const uint32_t timestampBits = families.at(queueFamily()).timestampValidBits;
   limits_ = {.sharedMemory = basic.maxComputeSharedMemorySize,
-             .groupSize = std::min(basic.maxComputeWorkGroupInvocations, basic.maxComputeWorkGroupSize[0]),
              .minSubgroupSize = v13.minSubgroupSize,
              .maxSubgroupSize = v13.maxSubgroupSize,
              .bufferSize = std::min({v13.maxBufferSize, v11.maxMemoryAllocationSize, kMostBytes}),

@@ -25,7 +25,6 @@ struct DeviceOptions {
 
 struct DeviceLimits {
   uint32_t sharedMemory = 0;     ///< Bytes per work group.
-  uint32_t groupSize = 0;        ///< Invocations per work group.
   uint32_t minSubgroupSize = 0;  ///< Fewest invocations per subgroup.
   uint32_t maxSubgroupSize = 0;
   uint64_t bufferSize = 0;     ///< Size of the largest buffer that kernels can use, bytes.

@@ -1,5 +1,7 @@
 #include "vulkan/device/features.h"
 
+#include <algorithm>
+
 namespace raymap::vulkan {
 
 namespace {
@@ -39,6 +41,25 @@ constexpr SubgroupOperation kSubgroupOperations[] = {
     {"ballot", VK_SUBGROUP_FEATURE_BALLOT_BIT},
 };
 
+struct Limit {
+  const char* name;
+  uint32_t told, least, most = UINT32_MAX;
+};
+
+/// What the kernels need of the limits that Vulkan leaves to devices: it promises groups of 128 with 16 KiB.
+std::vector<Limit> limitsOf(const VkPhysicalDeviceLimits& basic,
+                            const VkPhysicalDeviceVulkan13Properties& v13) {
+  constexpr uint32_t kGroup = 256;            // Invocations of the largest groups.
+  constexpr uint32_t kSubgroupMemory = 5120;  // Of the exact distance, whose groups need the most for each.
+  constexpr uint32_t kSubgroups = 4;  // More if the smallest subgroup has less than a quarter of the largest.
+  const uint32_t subgroups = std::max(kSubgroups, v13.maxSubgroupSize / std::max(v13.minSubgroupSize, 1U));
+  return {{"maxComputeWorkGroupInvocations", basic.maxComputeWorkGroupInvocations, kGroup},
+          {"maxComputeWorkGroupSize[0]", basic.maxComputeWorkGroupSize[0], kGroup},
+          {"maxComputeSharedMemorySize", basic.maxComputeSharedMemorySize, subgroups * kSubgroupMemory},
+          {"minSubgroupSize", v13.minSubgroupSize, 4},
+          {"maxSubgroupSize", v13.maxSubgroupSize, 4, 128}};
+}
+
 }  // namespace
 
 void requireFeatures(VkPhysicalDeviceFeatures& v10, VkPhysicalDeviceVulkan12Features& v12,
@@ -69,12 +90,20 @@ std::string missingFeatures(VkPhysicalDevice device) {
   const auto add = [&missing](const std::string& name) { missing += (missing.empty() ? "" : ", ") + name; };
   for (const Required& required : kRequired)
     if (required.in({features.v10.features, features.v12, features.v13}) == VK_FALSE) add(required.name);
-  VkPhysicalDeviceVulkan11Properties v11{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_1_PROPERTIES};
+  VkPhysicalDeviceVulkan13Properties v13{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_PROPERTIES};
+  VkPhysicalDeviceVulkan11Properties v11{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_1_PROPERTIES, &v13};
   VkPhysicalDeviceProperties2 properties{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2, &v11};
   vkGetPhysicalDeviceProperties2(device, &properties);
   for (const std::string& name :
        missingSubgroupOperations(v11.subgroupSupportedOperations, v11.subgroupSupportedStages))
     add(name);
+  for (const Limit& limit : limitsOf(properties.properties.limits, v13)) {
+    const bool isLess = limit.told < limit.least;
+    if (isLess || limit.told > limit.most)
+      add("a " + std::string(limit.name) + " of at " +
+          (isLess ? "least " + std::to_string(limit.least) : "most " + std::to_string(limit.most)) +
+          " (it is " + std::to_string(limit.told) + ")");
+  }
   return missing;
 }
 

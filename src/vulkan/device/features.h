@@ -29,7 +29,7 @@ VkSubgroupFeatureFlags requiredSubgroupOperations();
 /// Names those that a device lacks which has `operations` in the shaders of `stages`.
 std::vector<std::string> missingSubgroupOperations(VkSubgroupFeatureFlags operations,
                                                    VkShaderStageFlags stages);
-/// Names the features that the shaders need and the device lacks; empty if none.
+/// Names the features and limits that the shaders need and the device lacks; empty if none.
 std::string missingFeatures(VkPhysicalDevice device);
 
 }  // namespace raymap::vulkan
