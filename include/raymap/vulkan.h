@@ -174,8 +174,9 @@ struct BandBuffer {
   double inside = 0.0, outside = 0.0;  ///< As in `Field`.
 };
 
-/// Returns 32-bit words by which a renderer finds the leaves of a narrow band. Throws `Error(Usage)` if the
-/// band is not valid.
+/// Returns 32-bit words by which a renderer finds the leaves of a narrow band. A renderer trusts them, and
+/// that the leaves are there: others make it read anywhere. Throws `Error(Usage)` if the band is not valid,
+/// and `Error(Unsupported)` if it has more than 2^31 - 1 samples.
 RAYMAP_API std::vector<uint32_t> packLeafIndex(const Field& band);
 
 /// A signed field on the device, as a generator leaves it, or a narrow band.

@@ -22,9 +22,9 @@ int placeOf(ivec3 at, int bits) {
 
 LeafSlot slotOf(Uints index, ivec3 at) {
   int content = 0;
-  for (int bits = int(index.at[kIndexRootBits]);; bits -= kLeafBits) {
+  for (int bits = min(int(index.at[kIndexRootBits]), kMostRootBits);; bits -= kLeafBits) {
     content = int(index.at[kLeafIndexHeader + (content << 3 * kLeafBits) + placeOf(at, bits)]);
-    if (content < 0 || bits == kLeafBits) return LeafSlot(content, bits);
+    if (content < 0 || bits <= kLeafBits) return LeafSlot(content, bits);
   }
 }
 

@@ -11,6 +11,8 @@ RAYMAP_SHARED_BEGIN(raymap)
 
 // A leaf has 2^kLeafBits samples along a side, and a node as many slots.
 RAYMAP_CONSTANT int kLeafBits = 3;
+// Coordinates have 31 bits; bounds the search in words that `packLeafIndex` did not make.
+RAYMAP_CONSTANT int kMostRootBits = 30;
 // Content of a slot without leaves: its samples are all outside, or all inside. Others hold the number of a
 // node or leaf.
 RAYMAP_CONSTANT int kAllOutside = -1;

@@ -112,6 +112,24 @@ TEST_F(VulkanFrames, DrawNumbersAndDifferencesInColour) {
   requireSamePicture(ours, renderField(field, options));
 }
 
+TEST_F(VulkanFrames, EndTheSearchInAForeignIndexOfLeaves) {
+  constexpr uint32_t kNodes = 8, kCubes = kNodes + 512;
+  std::vector<uint32_t> words(kCubes + 64, 0);  // All slots lead to the root, or to leaf 0.
+  words[7] = kCubes;
+  const DeviceBuffer samples = upload(std::vector<float>(512, -1.0f));
+  const Grid grid{glm::ivec3(20), glm::dvec3(0.0), 1.0};
+  Renderer renderer(device().handles());
+  for (const uint32_t rootBits : {0u, 29u, 31u, 0x7fffffffu}) {
+    words[0] = rootBits;
+    const DeviceBuffer index = upload(words);
+    const FieldBuffer onDevice{.distance = range(samples),
+                               .grid = grid,
+                               .band = {.leafIndex = range(index), .inside = 2.0, .outside = 2.0}};
+    const RenderOptions options{.width = 16, .height = 16, .frame = Box{glm::vec3(0.0f), glm::vec3(19.0f)}};
+    EXPECT_EQ(draw(renderer, onDevice, options).size(), 256u) << rootBits;
+  }
+}
+
 TEST_F(VulkanFrames, DrawANarrowBand) {
   std::vector<Field> bands = someBands();
   const Field& band = bands[1];

@@ -138,6 +138,24 @@ TEST_F(VulkanRender, NumbersOfNarrowBandsInColour) {
   }
 }
 
+TEST_F(VulkanRender, NoMoreThanKernelsCanNumber) {
+  RenderFieldStage::checkSize(2147483647, 2147483647);
+  const auto refused = [](size_t samples, size_t words) -> std::string {
+    try {
+      RenderFieldStage::checkSize(samples, words);
+    } catch (const Error& error) {
+      return error.what();
+    }
+    return "";
+  };
+  EXPECT_EQ(refused(size_t{4194304} * NarrowBand::kLeafSamples, 8),
+            "the field has 2147483648 samples; a device draws up to 2147483647, draw it on the CPU");
+  EXPECT_EQ(
+      refused(512, 2147483648),
+      "the field has 2147483648 words in the index of its leaves; a device draws up to 2147483647, draw it "
+      "on the CPU");
+}
+
 TEST_F(VulkanRender, BandsWithFewSamples) {
   const Mesh ball = shapes::sphere(1.0, 2);
   expectAsOnTheCpu(Surface(ball).generateBand({{200, 1, 150}, {-1.4, 0.1, -1.2}, 0.014}));

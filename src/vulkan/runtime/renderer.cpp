@@ -29,7 +29,10 @@ GridMotion motionOf(const FieldBuffer& field) {
 std::vector<uint32_t> packLeafIndex(const Field& band) {
   requireNarrow(band);
   validate(band);
-  return DrawnField(band).leafIndex(1.0);
+  const DrawnField drawn(band);
+  // Later, nobody knows the number of leaves that the device holds.
+  RenderFieldStage::checkSize(drawn.sampleCount(), drawn.leafIndexCount());
+  return drawn.leafIndex(1.0);
 }
 
 struct Renderer::Impl {

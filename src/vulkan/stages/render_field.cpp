@@ -20,17 +20,20 @@ void RenderFieldStage::makeKernels() {
   for (const bool hasNumbers : {false, true}) kernel({hasNumbers, false, false}).handle();
 }
 
-/// Per sample of the ball's radius, a ray takes up to 40 steps to meet or miss the shape, and 10 more to the
-/// light. Both cross the ball around the shape.
-void RenderFieldStage::checkScene(const DrawnScene& scene) const {
-  const DrawnField& field = scene.shape.field();
+void RenderFieldStage::checkSize(size_t samples, size_t indexWords) {
   const auto check = [](size_t count, const char* what) {
     if (count > size_t{std::numeric_limits<int32_t>::max()})
       throw Error(ErrorCode::Unsupported, "the field has " + std::to_string(count) + what +
                                               "; a device draws up to 2147483647, draw it on the CPU");
   };
-  check(field.sampleCount(), " samples");
-  check(field.leafIndexCount(), " words in the index of its leaves");
+  check(samples, " samples");
+  check(indexWords, " words in the index of its leaves");
+}
+
+/// Per sample of the ball's radius, a ray takes up to 40 steps to meet or miss the shape, and 10 more to the
+/// light. Both cross the ball around the shape.
+void RenderFieldStage::checkScene(const DrawnScene& scene) const {
+  checkSize(scene.shape.field().sampleCount(), scene.shape.field().leafIndexCount());
   // Some software drivers silently end loops after 65,535 iterations. Other drivers may give up a device that
   // is busy for seconds. Far beyond this size, a step is too small to change a position.
   const double most = device_->info().type == DeviceType::Software ? 1250.0 : 16384.0;

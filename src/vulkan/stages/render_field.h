@@ -35,7 +35,10 @@ class RenderFieldStage {
   /// Makes the kernels for dense fields now, and not while a frame is recorded.
   void makeKernels();
 
-  /// Throws `Error(Unsupported)` if a ray would need more steps than the device can run reliably.
+  /// Throws `Error(Unsupported)` if kernels cannot number a field's samples, or the words of a band's index.
+  static void checkSize(size_t samples, size_t indexWords);
+  /// Throws `Error(Unsupported)` if kernels cannot number what is drawn, or if a ray would need more steps
+  /// than the device can run reliably.
   void checkScene(const DrawnScene& scene) const;
   /// Uploads a scene that `checkScene` accepted, before a grid that has moved. `leafIndex` is the address of
   /// `DrawnField::leafIndex`, in the samples' units, if the field is a narrow band.
