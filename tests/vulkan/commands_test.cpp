@@ -60,9 +60,14 @@ TEST_F(VulkanCommands, NumbersInvocationsAcrossDispatches) {
       NumberKernel kernel(device(), shaders::kNumberInvocations, groupSize);
       const NumberInvocationsPush push{
           .groups = numbers.address(), .count = uint32_t(count), .groupSize = groupSize};
-      run([&](Commands& commands) { commands.dispatch(kernel, push, count); });
-      const std::vector<uint32_t> found = download<uint32_t>(numbers);
-      for (uint32_t i = 0; i < count; ++i) ASSERT_EQ(found[i], i / groupSize) << count;
+      for (const uint64_t weight : {1, 7, 64}) {
+        run([&](Commands& commands) {
+          commands.fill(numbers, UINT32_MAX);
+          commands.dispatch(kernel, push, count, weight);
+        });
+        const std::vector<uint32_t> found = download<uint32_t>(numbers);
+        for (uint32_t i = 0; i < count; ++i) ASSERT_EQ(found[i], i / groupSize) << count << ", " << weight;
+      }
     }
 }
 
@@ -97,10 +102,10 @@ TEST_F(VulkanCommands, PausesWhenMuchWorkIsRecorded) {
   numbers.resize<uint32_t>(kCount);
   NumberKernel kernel(device(), shaders::kNumberInvocations, 128);
   const NumberInvocationsPush push{.groups = numbers.address(), .count = kCount, .groupSize = 128};
-  const auto pausesAfter = [&](uint64_t dispatches) {
+  const auto pausesAfter = [&](uint64_t dispatches, uint64_t weight = 1) {
     CommandBuffer buffer(device());
     Restarts restarts(buffer);
-    for (uint64_t d = 0; d < dispatches; ++d) restarts.commands().dispatch(kernel, push, kCount);
+    for (uint64_t d = 0; d < dispatches; ++d) restarts.commands().dispatch(kernel, push, kCount, weight);
     restarts.commands().report(0.25);
     buffer.submitAndWait();
     EXPECT_EQ(restarts.progress, std::vector<double>{0.25});
@@ -108,6 +113,8 @@ TEST_F(VulkanCommands, PausesWhenMuchWorkIsRecorded) {
   };
   EXPECT_EQ(pausesAfter(kMostSubmitted / kCount), 0);
   EXPECT_EQ(pausesAfter(kMostSubmitted / kCount + 1), 1);
+  EXPECT_EQ(pausesAfter(1, 8), 0);
+  EXPECT_EQ(pausesAfter(2, 8), 1);
   // A pause may fall between the dispatches of one kernel.
   NumberKernel other(device(), shaders::kNumberInvocations, 128, {7});
   CommandBuffer buffer(device());

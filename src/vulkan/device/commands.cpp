@@ -52,11 +52,11 @@ Commands::Commands(VkCommandBuffer buffer, VkPipelineLayout layout, StageTimer* 
 }
 
 void Commands::dispatchBytes(ComputePipeline& kernel, const void* push, uint32_t pushBytes,
-                             uint64_t invocations) {
+                             uint64_t invocations, uint64_t weight) {
   if (invocations == 0) return;
   // Shaders number their invocations with 32 bits.
   const uint64_t groups = ceilDiv(invocations, kernel.groupSize());
-  const uint64_t mostGroups = std::max<uint64_t>(kMostInvocations / kernel.groupSize(), 1);
+  const uint64_t mostGroups = std::max<uint64_t>(kMostInvocations / kernel.groupSize() / weight, 1);
   const uint64_t y = ceilDiv(groups, std::min<uint64_t>(kMaxGroups, mostGroups));
   const uint64_t x = ceilDiv(groups, y);
   if (x * y * kernel.groupSize() > uint64_t{1} << 32)
@@ -65,7 +65,7 @@ void Commands::dispatchBytes(ComputePipeline& kernel, const void* push, uint32_t
   const uint64_t mostRows = mostGroups / x;
   for (uint64_t row = 0; row < y; row += mostRows) {
     const uint64_t rows = std::min(mostRows, y - row);
-    if (makeRoom(x * rows * kernel.groupSize()) || row == 0) {
+    if (makeRoom(x * rows * kernel.groupSize() * weight) || row == 0) {
       barrier();
       bind(kernel, push, pushBytes);
     }

@@ -41,10 +41,11 @@ class Commands {
   }
 
   /// Runs at least `invocations` invocations, in groups of the kernel's size. Shaders check bounds. Many
-  /// invocations become several dispatches that may run at the same time.
+  /// invocations become several dispatches that may run at the same time. Each may take as long as `weight`
+  /// invocations of the exact distance, at most 64.
   template <class Push>
-  void dispatch(Kernel<Push>& kernel, const Push& push, uint64_t invocations) {
-    dispatchBytes(kernel, &push, sizeof push, invocations);
+  void dispatch(Kernel<Push>& kernel, const Push& push, uint64_t invocations, uint64_t weight = 1) {
+    dispatchBytes(kernel, &push, sizeof push, invocations, weight);
   }
   /// Runs as many groups as the `VkDispatchIndirectCommand` at `offset` in `arguments` states. With `isMore`
   /// it may run at the same time as the command before.
@@ -93,7 +94,8 @@ class Commands {
   }
 
  private:
-  void dispatchBytes(ComputePipeline& kernel, const void* push, uint32_t pushBytes, uint64_t invocations);
+  void dispatchBytes(ComputePipeline& kernel, const void* push, uint32_t pushBytes, uint64_t invocations,
+                     uint64_t weight);
   void dispatchIndirectBytes(ComputePipeline& kernel, const void* push, uint32_t pushBytes,
                              const DeviceBuffer& arguments, VkDeviceSize offset);
   void updateBytes(const DeviceBuffer& buffer, const void* bytes, uint32_t size);

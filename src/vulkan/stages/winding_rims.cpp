@@ -114,7 +114,9 @@ void WindingRimsStage::recordSettling(Commands& commands, const LatticeLines& ra
   settle.source = source_;
   settle.change = change;
   settle.threshold = static_cast<float>(threshold);
-  commands.dispatch(settle_, settle, settle.count);
+  // A subgroup may have to settle all its samples, each by all rims along six rays.
+  constexpr uint32_t kLightRims = 128, kMostWeight = 64;
+  commands.dispatch(settle_, settle, settle.count, std::clamp(rimCount_ / kLightRims, 1U, kMostWeight));
 }
 
 }  // namespace raymap::vulkan
