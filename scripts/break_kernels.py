@@ -47,8 +47,6 @@ FAULTS = [
      "int(push.colour) + 1", "1", ""),
     ("fractions of the squared distances ignored", STAGES + "distance_transform.comp",
      "uvec2(fractionOf(value), ", "uvec2(0, ", ""),
-    ("missing barrier before parts are merged", STAGES + "distance_transform.comp",
-     "    barrier();\n    if (searches && part == 0)", "    if (searches && part == 0)", ""),
     ("missing barrier before the discs of the leaves", STAGES + "surface_tree_leaves.comp",
      "  barrier();\n  if (gl_LocalInvocationID.x >= kLeaves", "  if (gl_LocalInvocationID.x >= kLeaves", ""),
     ("radius of the discs too small", STAGES + "surface_tree_leaves.comp",
