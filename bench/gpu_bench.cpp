@@ -1,6 +1,7 @@
 // Makes fields on a Vulkan device, or on the CPU, with warm buffers, and prints the cost of each. Reads one
 // case per line as JSON and answers each with a line of JSON; the first line describes the device.
-// bench/gpu_tables.py runs it and makes the tables. With --count it counts work instead (count_work.h).
+// bench/gpu_tables.py runs it and makes the tables. With --count it counts work instead (count_work.h), with
+// --latencies it times steps without work (latencies.h).
 
 #include <raymap/error.h>
 #include <raymap/generate.h>
@@ -18,6 +19,7 @@
 #include "api/devices.h"
 #include "copy_rate_push.h"
 #include "count_work.h"
+#include "latencies.h"
 #include "meshes.h"
 #include "method/pipeline.h"
 #include "program.h"
@@ -188,6 +190,10 @@ int run(int argc, char** argv) {
   const std::optional<size_t> index = chooseDevice({.device = name});
   if (!index) throw Error(ErrorCode::Usage, name + " is no Vulkan device");
   vulkan::Device device({.index = index});
+  if (given.contains("--latencies")) {
+    printLatencies(device);
+    return 0;
+  }
   print({{"device", device.info().name},
          {"driver", device.info().driver},
          {"is_software", device.info().type == DeviceType::Software},

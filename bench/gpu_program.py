@@ -113,9 +113,9 @@ class Bench:
             return ""
         return f"{aim:.3g}" if self.machine["is_software"] else f"{aim:.3g} {'met' if value <= aim else 'MISSED'}"
 
-    def count_work(self, mesh, resolutions):
-        """Returns the tables of `gpu_bench --count`: counted work and measured times of each stage."""
-        command = [*self.command, "--count", "--mesh", mesh, "--resolution", *map(str, resolutions)]
+    def print(self, *options):
+        """Returns the tables that gpu_bench prints with these options."""
+        command = [*self.command, *map(str, options)]
         process = subprocess.Popen(command, stdout=subprocess.PIPE, text=True)
         try:
             text = process.communicate(timeout=self.seconds_left())[0]
@@ -124,5 +124,5 @@ class Bench:
             text = process.communicate()[0]
         if process.returncode == 0:
             return text
-        reason = NO_TIME if self.seconds_left() == 0 else f"gpu_bench --count ended with {process.returncode}"
+        reason = NO_TIME if self.seconds_left() == 0 else f"gpu_bench {options[0]} ended with {process.returncode}"
         return f"{text}\n{self.fail(reason)['error']}\n"

@@ -168,12 +168,13 @@ def tables_of(bench, meshes, is_quick, folder):
         return runtime_over_resolutions(bench, three, over_resolutions, folder)
 
     return {
+        "latencies": ("Steps without work", lambda: bench.print("--latencies")),
         "fields": ("Fields", lambda: table_of_totals(bench, shown, resolutions)),
         "stages": ("Stages", lambda: table_of_stages(bench, shown, resolutions)),
         "solve": ("The harmonic solve", lambda: table_of_solves(bench, ("sphere", *broken), resolutions)),
         "coarse": ("A coarse grid for many triangles",
                    lambda: table_of_coarse(bench, largest, 16, 24 if is_quick else 64)),
-        **{f"counted-{mesh}": (f"Counted work: {mesh}", lambda mesh=mesh: bench.count_work(mesh, resolutions))
+        **{f"counted-{mesh}": (f"Counted work: {mesh}", lambda mesh=mesh: bench.print("--count", "--mesh", mesh, "--resolution", *resolutions))
            for mesh in dict.fromkeys(("scan", largest))},
         "meshes": ("Over the meshes", lambda: runtime_over_meshes(bench, meshes, over_meshes, folder)),
         "resolutions": ("Over the resolutions", over_all_resolutions),

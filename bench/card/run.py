@@ -53,6 +53,7 @@ def steps_of(device, is_quick):
              [BUNDLE / "bin/raymap", "devices", "--test", *([device] if device else [])]),
         tests("vulkan_tests_1", "one half of the tests of the GPU", "vulkan_tests", vulkan, 1, 2),
         tests("vulkan_tests_2", "the other half", "vulkan_tests", vulkan, 2, 2),
+        tables("latencies", "what steps without work cost", "latencies"),
         tables("fields", "tables of whole fields, stages and the harmonic solve", "fields", "stages", "solve", "coarse"),
         tables("counted-scan", "counted work beside measured times, 80 k triangles", "counted-scan"),
         tables("counted-million", "counted work beside measured times, 1.3 M triangles", f"counted-{largest}"),
