@@ -55,7 +55,7 @@ class VulkanSurfaceTree : public VulkanTest {
 };
 
 TEST_F(VulkanSurfaceTree, HoldsEveryTriangleOnceInDiscsThatHoldTheirChildren) {
-  for (const int count : {1, 7, 8, 9, 64, 65, 511, 513, 4097, 5000})
+  for (const int count : {1, 7, 8, 9, 64, 65, 511, 513, 4097, 5000, 8192, 8193})
     expectSound(shapes::soup(count, static_cast<unsigned>(count)));
   expectSound(shapes::sphere(1.0, 4));
   expectSound(shapes::torus(1.0, 0.3, 80, 40));

@@ -1,5 +1,6 @@
 // Reduces, then scans: each element is read twice and written once. Decoupled look-back would read it once,
-// but needs forward progress of work groups while others wait for them. Vulkan does not guarantee that.
+// but needs forward progress of work groups while others wait for them. Vulkan does not guarantee that. A
+// block adds up the sums of up to 4096 blocks before it by itself: a step less than their prefix sum.
 
 #include "vulkan/primitives/scan.h"
 
@@ -47,7 +48,7 @@ void Scan::record(Commands& commands, VkDeviceAddress values, VkDeviceAddress su
   const uint32_t levels = levelsOf(count);
   for (uint32_t level = 0; level + 1 < levels; ++level)
     dispatch(commands, reduce_, push(level, levels, values, sums, count));
-  for (uint32_t level = levels; level-- > 0;)
+  for (uint32_t level = std::max(levels, 2U) - 1; level-- > 0;)
     dispatch(commands, blocks_, push(level, levels, values, sums, count));
 }
 
@@ -56,7 +57,8 @@ ScanPush Scan::push(uint32_t level, uint32_t levels, VkDeviceAddress values, VkD
   return {.values = level == 0 ? values : blockSums_[level - 1].address(),
           .sums = level == 0 ? sums : blockSums_[level - 1].address(),
           .blockSums = level + 1 < levels ? blockSums_[level].address() : 0,
-          .count = sizeOf(count, level)};
+          .count = sizeOf(count, level),
+          .areSummed = level + 2 < levels ? 1U : 0U};
 }
 
 void Scan::dispatch(Commands& commands, Kernel<ScanPush>& kernel, const ScanPush& push) {

@@ -13,8 +13,20 @@ void store(uint index, uvec4 sums, uint count) {
   for (uint i = 0; i < 4 && index + i < count; ++i) push.sums.at[index + i] = sums[i];
 }
 
+shared uint shares[kScanGroup / 4];  // Of the sum before the block, per subgroup.
+
+uint shareBefore(uint group) {
+  if (uint64_t(push.blockSums) == 0) return 0;
+  if (push.areSummed != 0) return laneIndex() == 0 ? push.blockSums.at[group] : 0;
+  uint sum = 0;
+  for (uint block = laneIndex(); block < group; block += kScanGroup) sum += push.blockSums.at[block];
+  return sum;
+}
+
 // Replaces the partials by the sums before them and returns the total. Called by one subgroup.
-uint scanPartials(uint before) {
+uint scanPartials() {
+  uint before = 0;
+  for (uint i = 0; i < gl_NumSubgroups; ++i) before += shares[i];
   const uint size = kScanRows * gl_NumSubgroups;
   for (uint first = 0; first < size; first += gl_SubgroupSize) {
     const uint i = first + gl_SubgroupInvocationID;
@@ -32,6 +44,8 @@ void main() {
   // One group runs even for no elements, to write the total.
   const uint lastGroup = max(ceilDiv(count, kScanBlock), 1) - 1;
   if (group > lastGroup) return;
+  const uint share = subgroupAdd(shareBefore(group));
+  if (subgroupElect()) shares[gl_SubgroupID] = share;
   uvec4 values[kScanRows];
   uint before[kScanRows];
   [[unroll]] for (uint row = 0; row < kScanRows; ++row) {
@@ -43,7 +57,7 @@ void main() {
   }
   barrier();
   if (gl_SubgroupID == 0) {
-    const uint total = scanPartials(uint64_t(push.blockSums) == 0 ? 0 : push.blockSums.at[group]);
+    const uint total = scanPartials();
     if (group == lastGroup && subgroupElect()) push.sums.at[count] = total;
   }
   barrier();

@@ -16,7 +16,7 @@ struct ScanPush {
   RAYMAP_ADDRESS(Uints) sums;       // The sum before each value, then the total.
   RAYMAP_ADDRESS(Uints) blockSums;  // Per block: its sum, or the sum before it. 0 for one block.
   uint count;
-  uint unused;
+  uint areSummed;  // Whether `blockSums` has the sum before each block.
 };
 RAYMAP_CHECK_SIZE(ScanPush, 32);
 

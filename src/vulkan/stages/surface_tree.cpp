@@ -51,7 +51,7 @@ SurfaceTreeStage::SurfaceTreeStage(Device& device, int32_t rootError)
       order_(device, shaders::kSurfaceTreeOrder, kRun / 2, {kRun}),
       leaves_(device, shaders::kSurfaceTreeLeaves, kGroup,
               {kGroup / kTreeArity, static_cast<uint32_t>(rootError)}),
-      level_(device, shaders::kSurfaceTreeLevel, kGroup, {0, static_cast<uint32_t>(rootError)}),
+      level_(device, shaders::kSurfaceTreeLevel, kGroup, {kGroup, static_cast<uint32_t>(rootError)}),
       sort_(device),
       meshBounds_(device, "bounds of the mesh"),
       sortKeys_{DeviceBuffer(device, "keys of triangles"), DeviceBuffer(device, "other keys of triangles")},
@@ -126,6 +126,7 @@ void SurfaceTreeStage::record(Commands& commands, const DeviceMesh& mesh, const 
     push.levelCount = levels_[level].count;
     push.levelBelowCount = levels_[level - 1].count;
     commands.dispatch(level_, push, roundUp(push.levelCount));
+    if (push.levelCount <= kGroup) break;  // One group does the levels above, too.
   }
 }
 

@@ -12,10 +12,10 @@ vec3 readCorner(uint triangle, uint corner) {
   return readVertex(push.triangles.at[3 * triangle + corner]);
 }
 
-// Returns the number of the level's nodes, including those that fill up its last eight; the root has no
+// Returns the number of a level's nodes, including those that fill up its last eight; the root has no
 // siblings.
-uint levelPlaces() {
-  return push.levelStart == 0 ? 1 : ceilDiv(push.levelCount, kTreeArity) * kTreeArity;
+uint placesOf(uint start, uint count) {
+  return start == 0 ? 1 : ceilDiv(count, kTreeArity) * kTreeArity;
 }
 
 // Returns an arbitrary direction for a zero vector.

@@ -44,7 +44,7 @@ void main() {
     corners[3 * gl_LocalInvocationID.x + 2] = r;
   }
   barrier();
-  if (gl_LocalInvocationID.x >= kLeaves || leaf >= levelPlaces()) return;
+  if (gl_LocalInvocationID.x >= kLeaves || leaf >= placesOf(push.levelStart, push.levelCount)) return;
   writeDisc(push.discs, push.levelStart + leaf,
             leaf < push.levelCount ? boundCorners(3 * kTreeArity * gl_LocalInvocationID.x) : discOutOfReach());
 }

@@ -1,14 +1,25 @@
-// Computes discs around the discs of each node's children.
+// Computes discs around the discs of each node's children. One group does all levels that it has invocations for.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "vulkan/device/kernel.glsl"
 #include "vulkan/stages/surface_tree.glsl"
 #include "vulkan/stages/surface_shapes.glsl"
 
+layout(constant_id = 1) const uint kNodes = 1;  // Invocations of a group.
+
+shared vec4 discsBelow[kNodes * kDiscVectors];
+uint firstShared = 0xffffffffu;  // First node of the level below, if that lies in shared memory.
+
+Disc readBelow(uint node) {
+  if (node < firstShared) return readDisc(push.discs, node);
+  const uint at = (node - firstShared) * kDiscVectors;
+  return Disc(discsBelow[at].xyz, discsBelow[at + 1].xyz, discsBelow[at].w, discsBelow[at + 1].w);
+}
+
 Disc boundDiscs(uint first, uint count) {
   vec3 low = vec3(kLargestFloat), high = -low, normal = vec3(0);
   for (uint child = first; child < first + count; ++child) {
-    const Disc disc = readDisc(push.discs, child);
+    const Disc disc = readBelow(child);
     low = min(low, disc.centre);
     high = max(high, disc.centre);
     normal += disc.normal * (disc.radius * disc.radius);
@@ -18,7 +29,7 @@ Disc boundDiscs(uint first, uint count) {
   // Extents of the discs along and across the common normal.
   float front = -kLargestFloat, back = -front, radius = 0, reach = 0;
   for (uint child = first; child < first + count; ++child) {
-    const Disc disc = readDisc(push.discs, child);
+    const Disc disc = readBelow(child);
     const vec3 q = disc.centre - middle;
     const float height = dot(q, normal);
     // The sine from the cross product: from the cosine of a small angle it would be rounding error only.
@@ -36,10 +47,20 @@ Disc boundDiscs(uint first, uint count) {
 }
 
 void main() {
+  uint start = push.levelStart, count = push.levelCount, below = push.levelBelowCount;
   const uint node = invocationIndex();
-  if (node >= levelPlaces()) return;
-  const uint first = node * kTreeArity, index = push.levelStart + node;
-  writeDisc(push.discs, index,
-            node < push.levelCount ? boundDiscs(index * kTreeArity + 1, min(kTreeArity, push.levelBelowCount - first))
-                                   : discOutOfReach());
+  while (true) {
+    Disc disc = discOutOfReach();
+    if (node < count) disc = boundDiscs((start + node) * kTreeArity + 1, min(kTreeArity, below - node * kTreeArity));
+    if (node < placesOf(start, count)) writeDisc(push.discs, start + node, disc);
+    if (start == 0 || count > kNodes) return;
+    barrier();
+    discsBelow[gl_LocalInvocationID.x * kDiscVectors] = vec4(disc.centre, disc.radius);
+    discsBelow[gl_LocalInvocationID.x * kDiscVectors + 1] = vec4(disc.normal, disc.halfThickness);
+    barrier();
+    firstShared = start;
+    start = (start - 1) / kTreeArity;
+    below = count;
+    count = ceilDiv(count, kTreeArity);
+  }
 }
