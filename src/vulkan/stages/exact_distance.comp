@@ -10,29 +10,29 @@
 // `end` below, and no measuring within the loop that finds what to measure.
 
 const uint kMostWaiting = 128;  // At least the largest subgroup.
-// Leaves with at most this radius, in cells, are measured as a whole, by the samples that they may be closest
-// to. Their triangles are small compared with the spacing, and each leaf matters to a few samples only.
+// Leaves with at most this radius, in cells, wait as a whole, to be opened in the octants where they may win: each of
+// their triangles matters to a few samples only.
 const float kWholeLeaf = 1.5;
-// Up to this many triangles are measured for all samples at once. For more, octants of the block first drop
-// those that cannot win there.
-const uint kFewTriangles = 40;
-// Leaves per bit mask: a sample marks those that may be closest to it before it measures them.
-const uint kMaskBits = 32;
+const uint kLeafBit = 0x80000000u;  // Marks leaves among what waits.
+// Up to this many triangles are measured for all samples at once. Of more, octants of the block measure only
+// those that may win there.
+const uint kFewTriangles = 20;
 
-// Triangles and leaves waiting to be measured, and triangles of an octant.
-shared uint triangles[kMaxSubgroups * kMostWaiting];
-shared uint leaves[kMaxSubgroups * kMostWaiting];
-shared uint octantTriangles[kMaxSubgroups * kMostWaiting];
-uint triangleCount = 0;
-uint leafCount = 0;
+// Triangles and leaves that wait to be measured, with planes below the distances to them: gradients, and values at
+// the block's centre. Then what seems closest to each octant, and what may win in an octant.
+shared uint waiting[kMaxSubgroups * kMostWaiting];
+shared vec4 planes[kMaxSubgroups * kMostWaiting];
+shared uint nearestWaiting[kMaxSubgroups * 8];
+shared uint octantWaiting[kMaxSubgroups * 2 * kMostWaiting];  // Triangles, then leaves.
+uint waitingCount = 0;
+bool hasLeaves = false;
 
 uint waitingAt(uint place) {
   return gl_SubgroupID * kMostWaiting + place;
 }
 
-void measureTriangle(uint index, vec3 p, inout Closest closest) {
-  const float squared = squaredDistance(readTriangle(push.frames, index), p);
-  if (squared < closest.squared) closest = Closest(squared, index);
+uint forOctant(uint place) {
+  return gl_SubgroupID * 2 * kMostWaiting + place;
 }
 
 // Measures a few triangles, two samples at once for each triangle read.
@@ -43,7 +43,7 @@ void measureTogether(Block block, uint count) {
     const vec3 p = samplePlace(block, s), q = samplePlace(block, other);
     Closest atP = readSample(s), atQ = readSample(other);
     for (uint i = 0; i < count; ++i) {
-      const uint index = triangles[waitingAt(i)];
+      const uint index = waiting[waitingAt(i)];
       const Triangle t = readTriangle(push.frames, index);
       const float toP = squaredDistance(t, p), toQ = squaredDistance(t, q);
       if (toP < atP.squared) atP = Closest(toP, index);
@@ -55,130 +55,208 @@ void measureTogether(Block block, uint count) {
   }
 }
 
-// Lists the waiting triangles that may win in an octant of the block, and returns their number.
-uint listOctant(Block octant, uint dominating) {
-  Closest closest = Closest(squaredDistance(readTriangle(push.frames, dominating), octant.centre), dominating);
-  for (uint first = 0; first < triangleCount; first += gl_SubgroupSize) {
-    const uint index = triangles[waitingAt(min(first + lane(), triangleCount - 1))];
-    takeClosest(closest, squaredDistance(readTriangle(push.frames, index), octant.centre), index);
-  }
-  const Corners corners = measureCorners(closest.triangle, octant);
-  uint count = 0;
-  for (uint first = 0; first < triangleCount; first += gl_SubgroupSize) {
-    const uint index = triangles[waitingAt(min(first + lane(), triangleCount - 1))];
-    const Triangle t = readTriangle(push.frames, index);
-    const bool survives = first + lane() < triangleCount &&
-                          (index == closest.triangle || mayWin(tangentOf(t, octant.centre), octant, corners));
-    const uvec4 surviving = subgroupBallot(survives);
-    if (survives) octantTriangles[waitingAt(count + subgroupBallotExclusiveBitCount(surviving))] = index;
-    count += subgroupBallotBitCount(surviving);
-  }
-  shareWithSubgroup();
-  work += 2 * triangleCount / gl_SubgroupSize + 4;
-  return count;
+// An octant of a block, where its samples begin, and its centre as seen from the block's.
+struct Octant {
+  Block block;
+  uvec3 first;
+  vec3 offset;
+};
+
+Tangent waitingTangent(uint place, Octant octant) {
+  const vec4 plane = planes[waitingAt(place)];
+  return Tangent(plane.w + dot(plane.xyz, octant.offset), plane.xyz);
+}
+
+uvec3 cornerOf(uint k) {
+  return uvec3(k, k >> 1, k >> 2) & 1;
+}
+
+uint octantSample(Octant octant, uvec3 at) {
+  const uvec3 place = octant.first + at;
+  return (place.z * kBlockSide + place.y) * kBlockSide + place.x;
 }
 
 // Measures the triangles of an octant. Several lanes share those of each sample.
-void measureOctant(Block block, uvec3 octant, uint count) {
-  for (uint k = lane() % 8; k < 8; k += gl_SubgroupSize) {
-    const uvec3 at = 2 * octant + placeOf(k, uvec3(2));
-    const uint s = (at.z * kBlockSide + at.y) * kBlockSide + at.x;
+void measureOctant(Block block, Octant octant, uint count) {
+  const uint shares = max(gl_SubgroupSize >> 3, 1);
+  for (uint k = lane() & 7; k < 8; k += gl_SubgroupSize) {
+    const uint s = octantSample(octant, cornerOf(k));
     const vec3 p = samplePlace(block, s);
     const Closest before = readSample(s);
     shareWithSubgroup();
     Closest closest = before;
-    for (uint i = lane() / 8; i < count; i += max(gl_SubgroupSize / 8, 1))
-      measureTriangle(octantTriangles[waitingAt(i)], p, closest);
+    for (uint i = lane() >> 3; i < count; i += shares) {
+      const uint index = octantWaiting[forOctant(i)];
+      const float squared = squaredDistance(readTriangle(push.frames, index), p);
+      if (squared < closest.squared) closest = Closest(squared, index);
+    }
     takeClosestOfLanes(s, lane() < 8, before, closest);
-    work += count + 2;
+    work += (count >> findMSB(shares)) + 2;
   }
 }
 
-// Measures all waiting triangles.
-void measureTriangles(Block block, uint dominating) {
-  shareWithSubgroup();
-  const bool areFew = triangleCount <= kFewTriangles;
-  measureTogether(block, areFew ? triangleCount : 0);
-  for (uint o = areFew ? 8 : 0; o < 8; ++o) {
-    const uvec3 octant = placeOf(o, uvec3(2)), low = block.low + 2 * octant, high = min(low + 2, block.high);
-    if (any(greaterThanEqual(low, high))) continue;
-    measureOctant(block, octant, listOctant(blockFrom(low, high), dominating));
+Octant octantOf(Block block, uint o) {
+  const uvec3 first = 2 * cornerOf(o), low = min(block.low + first, block.high - 1);
+  const Block part = blockFrom(low, min(low + 2, block.high));
+  return Octant(part, low - block.low, part.centre - block.centre);
+}
+
+// Finds what may come closest to each octant's centre.
+void findNearest(Block block) {
+  for (uint o = 0; o < 8; ++o) {
+    const Octant octant = octantOf(block, o);
+    float least = kLargestFloat;
+    uint nearest = 0;
+    for (uint place = lane(); place < waitingCount; place += gl_SubgroupSize) {
+      const float bound = waitingTangent(place, octant).d;
+      if (bound < least) nearest = place;
+      least = min(least, bound);
+    }
+    nearest = subgroupMin(least == subgroupMin(least) ? nearest : kMostWaiting - 1);
+    if (lane() == 0) nearestWaiting[gl_SubgroupID * 8 + o] = waiting[waitingAt(nearest)];
+    work += 1;
   }
-  triangleCount = 0;
   shareWithSubgroup();
 }
 
-void measureLeaf(uint place, vec3 p, inout Closest closest) {
-  const uint first = firstTriangleOf(leaves[waitingAt(place)]);
-  for (uint i = 0; i < kTreeArity; ++i) measureTriangle(first + i, p, closest);
-}
-
-float boundOfLeaf(uint place, vec3 p) {
-  return squaredDistance(readDisc(push.discs, leaves[waitingAt(place)]), p);
-}
-
-// Returns the leaf that may come closest to a point, if any may come closer than the closest triangle so far.
-uint nearestLeaf(vec3 p, Closest closest) {
-  uint nearest = kMostWaiting;
-  float least = closest.squared;
-  for (uint i = 0; i < leafCount; ++i) {
-    const float bound = boundOfLeaf(i, p);
-    if (bound < least) nearest = i;
-    least = min(least, bound);
-  }
-  return nearest;
-}
-
-// Measures the waiting leaves. Each sample first measures the leaf that may come closest, which nearly
-// settles its distance, then those that still may come closer.
-void measureLeaves(Block block) {
-  shareWithSubgroup();
-  const uint end = leafCount > 0 ? kBlockSamples : 0;
-  for (uint s = lane(); s < end; s += gl_SubgroupSize) {
+// Measures for each sample what may come closest to its octant's centre.
+void measureNearest(Block block) {
+  for (uint s = lane(); s < kBlockSamples; s += gl_SubgroupSize) {
     const vec3 p = samplePlace(block, s);
+    const uint o = s >> 1 & 1 | s >> 2 & 2 | s >> 3 & 4, entry = nearestWaiting[gl_SubgroupID * 8 + o];
+    const bool isWhole = (entry & kLeafBit) != 0;
+    const uint first = isWhole ? firstTriangleOf(entry & ~kLeafBit) : entry, end = first + (isWhole ? kTreeArity : 1);
     Closest closest = readSample(s);
-    const uint nearest = nearestLeaf(p, closest);
-    if (nearest < leafCount) measureLeaf(nearest, p, closest);
-    for (uint first = 0; first < leafCount; first += kMaskBits) {
-      uint wanted = 0;
-      for (uint i = first; i < min(first + kMaskBits, leafCount); ++i)
-        wanted |= uint(i != nearest && boundOfLeaf(i, p) < closest.squared) << (i - first);
-      for (; wanted != 0; wanted &= wanted - 1) {
-        measureLeaf(first + findLSB(wanted), p, closest);
-        work += kTreeArity;
-      }
+    for (uint triangle = first; triangle < end; ++triangle) {
+      const float squared = squaredDistance(readTriangle(push.frames, triangle), p);
+      if (squared < closest.squared) closest = Closest(squared, triangle);
     }
     keepSample(s, closest);
-    work += 2 * leafCount + kTreeArity;
+    work += kTreeArity;
   }
-  leafCount = 0;
+  shareWithSubgroup();
+}
+
+// Returns the distances so far, minus the tolerance, of an octant's samples.
+Corners octantCorners(Octant octant) {
+  const uvec3 last = octant.block.high - octant.block.low - 1;
+  for (uint k = lane(); k < 8; k += gl_SubgroupSize)
+    keepCorner(k, readSample(octantSample(octant, min(cornerOf(k), last))).squared);
+  return readCorners();
+}
+
+// Lists each lane's triangle or leaf for the octant, from place `first` on, if it may win.
+void listForOctant(bool mayWin, uint entry, uint first, inout uint count) {
+  const uvec4 all = subgroupBallot(mayWin);
+  if (mayWin) octantWaiting[forOctant(first + count + subgroupBallotExclusiveBitCount(all))] = entry;
+  count += subgroupBallotBitCount(all);
+}
+
+// Lists what waits and may win in the octant.
+void listOctant(Octant octant, Corners corners, inout uint count, inout uint leaves) {
+  uint offered = 0;
+  for (uint first = 0; first < waitingCount; first += gl_SubgroupSize) {
+    const uint place = min(first + lane(), waitingCount - 1), entry = waiting[waitingAt(place)];
+    const bool survives =
+        first + lane() < waitingCount && mayWin(waitingTangent(place, octant), octant.block, corners);
+    const bool isWhole = (entry & kLeafBit) != 0;
+    listForOctant(survives && !isWhole, entry, 0, count);
+    listForOctant(survives && isWhole, entry & ~kLeafBit, kMostWaiting, offered);
+    work += 2;
+  }
+  shareWithSubgroup();
+  for (uint first = 0; first < offered; first += gl_SubgroupSize) {  // As seen from the octant's centre, fewer may win.
+    const uint leaf = octantWaiting[forOctant(kMostWaiting + min(first + lane(), offered - 1))];
+    const Tangent t = tangentOf(readDisc(push.discs, leaf), octant.block.centre);
+    shareWithSubgroup();
+    listForOctant(first + lane() < offered && mayWin(t, octant.block, corners), leaf, kMostWaiting, leaves);
+    work += 2;
+  }
+  shareWithSubgroup();
+}
+
+// Lists the triangles of some leaves that may win in the octant, while there is room.
+void openLeaves(Octant octant, Corners corners, inout uint leaves, inout uint count) {
+  while (leaves > 0 && count + max(gl_SubgroupSize, kTreeArity) <= kMostWaiting) {
+    const uint taken = min(leaves, max(gl_SubgroupSize >> kArityBits, 1));
+    leaves -= taken;
+    const uint first = firstTriangleOf(octantWaiting[forOctant(kMostWaiting + leaves + min(parentOfLane(), taken - 1))]);
+    for (uint child = childOfLane(); child < kTreeArity; child += gl_SubgroupSize) {
+      const Tangent t = tangentOf(readTriangle(push.frames, first + child), octant.block.centre);
+      listForOctant(parentOfLane() < taken && mayWin(t, octant.block, corners), first + child, 0, count);
+    }
+    work += 3;
+  }
+  shareWithSubgroup();
+}
+
+// Measures what waits, an octant at a time.
+void measureOctants(Block block) {
+  findNearest(block);
+  measureNearest(block);
+  for (uint o = 0; o < 8; ++o) {
+    if (any(greaterThanEqual(block.low + 2 * cornerOf(o), block.high))) continue;
+    const Octant octant = octantOf(block, o);
+    const Corners corners = octantCorners(octant);
+    uint count = 0, leaves = 0;
+    listOctant(octant, corners, count, leaves);
+    do {
+      openLeaves(octant, corners, leaves, count);
+      measureOctant(block, octant, count);
+      count = 0;
+    } while (leaves > 0);
+  }
+}
+
+void measureWaiting(Block block) {
+  shareWithSubgroup();
+  const bool areFew = waitingCount <= kFewTriangles && !hasLeaves;
+  measureTogether(block, areFew ? waitingCount : 0);
+  if (!areFew) measureOctants(block);
+  waitingCount = 0;
+  hasLeaves = false;
   shareWithSubgroup();
 }
 
 bool hasRoom() {
-  return max(triangleCount, leafCount) + max(gl_SubgroupSize, kTreeArity) <= kMostWaiting;
+  return waitingCount + max(gl_SubgroupSize, kTreeArity) <= kMostWaiting;
 }
 
-// Queues each lane's triangle for measuring if it may win.
+// Queues each lane's triangle or leaf, if it waits.
+void queue(bool waits, uint entry, Tangent t) {
+  const uvec4 all = subgroupBallot(waits);
+  const uint place = waitingAt(waitingCount + subgroupBallotExclusiveBitCount(all));
+  if (waits) {
+    waiting[place] = entry;
+    planes[place] = vec4(t.g, t.d);
+  }
+  waitingCount += subgroupBallotBitCount(all);
+}
+
+// Queues each lane's triangle if it may win.
 void offerTriangles(Block block, Corners corners, bool isOffered, uint triangle) {
-  const bool survives =
-      isOffered && mayWin(tangentOf(readTriangle(push.frames, triangle), block.centre), block, corners);
-  const uvec4 waits = subgroupBallot(survives);
-  if (survives) triangles[waitingAt(triangleCount + subgroupBallotExclusiveBitCount(waits))] = triangle;
-  triangleCount += subgroupBallotBitCount(waits);
+  Tangent t;
+  bool survives = false;
+  if (isOffered) {
+    t = tangentOf(readTriangle(push.frames, triangle), block.centre);
+    survives = mayWin(t, block, corners);
+  }
+  queue(survives, triangle, t);
 }
 
 // If it may win, queues each lane's node if it is a small leaf, else pushes it on the stack.
 void offerNodes(Block block, Corners corners, bool isOffered, uint node, inout uint size) {
   bool survives = false, isWhole = false;
+  Tangent t;
   if (isOffered) {
     const Disc disc = readDisc(push.discs, node);
-    survives = disc.radius >= 0 && mayWin(tangentOf(disc, block.centre), block, corners);
+    t = tangentOf(disc, block.centre);
+    survives = disc.radius >= 0 && mayWin(t, block, corners);
     isWhole = isLeaf(node) && disc.radius <= kWholeLeaf;
   }
-  const uvec4 waits = subgroupBallot(survives && isWhole);
-  if (survives && isWhole) leaves[waitingAt(leafCount + subgroupBallotExclusiveBitCount(waits))] = node;
-  leafCount += subgroupBallotBitCount(waits);
+  const uint before = waitingCount;
+  queue(survives && isWhole, node | kLeafBit, t);
+  hasLeaves = hasLeaves || waitingCount > before;
   pushNodes(size, survives && !isWhole, node, 0);
 }
 
@@ -189,14 +267,14 @@ void fillWaiting(Block block, Corners corners, uint dominating, List list, inout
     const uint taken = isFromList ? 0 : min(size, openable(size));
     size -= taken;
     const uint parent = parentAbove(size);
-    const bool isTaken = lane() / kTreeArity < taken, hasTriangles = isTaken && isLeaf(parent);
+    const bool isTaken = parentOfLane() < taken, hasTriangles = isTaken && isLeaf(parent);
     const bool isListed = isFromList && next + lane() < list.count;
     shareWithSubgroup();
-    for (uint child = lane() % kTreeArity; child < kTreeArity; child += gl_SubgroupSize) {
+    for (uint child = childOfLane(); child < kTreeArity; child += gl_SubgroupSize) {
       const uint triangle = firstTriangleOf(parent) + child;
       offerTriangles(block, corners, hasTriangles && triangle != dominating, triangle);
       const uint node = isListed ? listedNode(list, next + lane()) : firstChildOf(parent) + child;
-      const bool isFirst = child == lane() % kTreeArity;
+      const bool isFirst = child == childOfLane();
       offerNodes(block, corners, isListed ? isFirst : isTaken && !hasTriangles, node, size);
     }
     if (isFromList) next += gl_SubgroupSize;
@@ -209,8 +287,7 @@ void measureList(Block block, Corners corners, uint dominating, List list) {
   uint next = 0, size = 0;
   do {
     fillWaiting(block, corners, dominating, list, next, size);
-    measureTriangles(block, dominating);
-    measureLeaves(block);
+    measureWaiting(block);
   } while ((next < list.count || size > 0) && !isTooMuchWork());
 }
 

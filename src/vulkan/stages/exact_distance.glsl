@@ -12,6 +12,8 @@ layout(push_constant, scalar) uniform Push { ExactDistancePush push; };
 const uint kStack = 320;
 const uint kMostOpened = 7 * 10 + 1;
 
+const uint kArityBits = 3;  // Of kTreeArity.
+
 shared uint stackNodes[kMaxSubgroups * kStack];
 shared float stackBounds[kMaxSubgroups * kStack];
 shared float cornerDistances[kMaxSubgroups * 8];
@@ -30,6 +32,15 @@ uint lane() {
   return gl_SubgroupInvocationID;
 }
 
+// Place of a lane's node or triangle below its parent, and that parent's place among those that are opened together.
+uint childOfLane() {
+  return lane() & (kTreeArity - 1);
+}
+
+uint parentOfLane() {
+  return lane() >> kArityBits;
+}
+
 uint subgroupIndex() {
   return groupIndex() * gl_NumSubgroups + gl_SubgroupID;
 }
@@ -46,7 +57,7 @@ uint onStack(uint place) {
 // Returns the node that a lane's child or triangle belongs to, if it was taken: the nodes above the stack's new
 // size. Other lanes get any node.
 uint parentAbove(uint size) {
-  return stackNodes[onStack(min(size + lane() / kTreeArity, kStack - 1))];
+  return stackNodes[onStack(min(size + parentOfLane(), kStack - 1))];
 }
 
 bool isLeaf(uint node) {
@@ -91,7 +102,7 @@ uvec3 placeOf(uint index, uvec3 counts) {
 // child, unless the stack lacks the capacity.
 uint openable(uint size) {
   const uint room = max(kStack - kMostOpened, size) - size;
-  return max(min(gl_SubgroupSize / kTreeArity, room / kTreeArity), 1);
+  return max(min(gl_SubgroupSize, room) >> kArityBits, 1);
 }
 
 // Pushes the wanted nodes on the stack, the one with the least bound last.
@@ -149,10 +160,10 @@ void findClosest(vec3 point, uint size, inout Closest closest) {
   while (size > 0 && !isTooMuchWork()) {
     const uint taken = takeNodes(size, closest.squared);
     const uint parent = parentAbove(size);
-    const bool isTaken = lane() / kTreeArity < taken;
+    const bool isTaken = parentOfLane() < taken;
     const bool hasTriangles = isTaken && isLeaf(parent);
     shareWithSubgroup();
-    for (uint child = lane() % kTreeArity; child < kTreeArity; child += gl_SubgroupSize) {
+    for (uint child = childOfLane(); child < kTreeArity; child += gl_SubgroupSize) {
       float squared = kLargestFloat;
       if (hasTriangles)
         squared = squaredDistance(readTriangle(push.frames, firstTriangleOf(parent) + child), point);
@@ -224,19 +235,27 @@ struct Corners {
   vec4 low, high;
 };
 
-Corners measureCorners(uint triangle, Block block) {
-  for (uint corner = lane(); corner < 8; corner += gl_SubgroupSize) {
-    const vec3 sign = 2 * vec3(corner & 1, corner >> 1 & 1, corner >> 2) - 1;
-    const vec3 point = block.centre + sign * block.reach;
-    const float squared = max(squaredDistance(readTriangle(push.frames, triangle), point), 1e-30);
-    cornerDistances[gl_SubgroupID * 8 + corner] = squared * inverseRoot(squared) - push.tolerance;
-  }
+void keepCorner(uint corner, float squared) {
+  squared = max(squared, 1e-30);
+  cornerDistances[gl_SubgroupID * 8 + corner] = squared * inverseRoot(squared) - push.tolerance;
+}
+
+// Returns what lanes kept.
+Corners readCorners() {
   shareWithSubgroup();
   const uint first = gl_SubgroupID * 8;
   return Corners(vec4(cornerDistances[first], cornerDistances[first + 1], cornerDistances[first + 2],
                       cornerDistances[first + 3]),
                  vec4(cornerDistances[first + 4], cornerDistances[first + 5], cornerDistances[first + 6],
                       cornerDistances[first + 7]));
+}
+
+Corners measureCorners(uint triangle, Block block) {
+  for (uint corner = lane(); corner < 8; corner += gl_SubgroupSize) {
+    const vec3 sign = 2 * vec3(corner & 1, corner >> 1 & 1, corner >> 2) - 1;
+    keepCorner(corner, squaredDistance(readTriangle(push.frames, triangle), block.centre + sign * block.reach));
+  }
+  return readCorners();
 }
 
 // Returns whether a candidate may be closest to some sample of the block. The distance to the candidate is

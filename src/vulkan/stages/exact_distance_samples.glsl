@@ -30,7 +30,7 @@ void takeClosestOfLanes(uint s, bool isFirst, Closest before, Closest closest) {
 }
 
 uvec3 samplePlace(Block block, uint s) {
-  return block.low + placeOf(s, uvec3(kBlockSide));
+  return block.low + (uvec3(s, s >> 2, s >> 4) & 3);
 }
 
 void writeSample(uvec3 place, Closest closest) {
