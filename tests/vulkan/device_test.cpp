@@ -65,7 +65,7 @@ TEST_F(VulkanDevice, NamesTheLimitsThatADeviceLacks) {
       if (auto* v13 = ToldLimits::find<VkPhysicalDeviceVulkan13Properties>(
               told, VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_PROPERTIES))
         v13->minSubgroupSize = least, v13->maxSubgroupSize = most;
-      told.properties.limits.maxComputeSharedMemorySize = 20480;
+      told.properties.limits.maxComputeSharedMemorySize = 24576;
     });
   };
   EXPECT_EQ(problemOf([](auto& told) {
@@ -74,11 +74,11 @@ TEST_F(VulkanDevice, NamesTheLimitsThatADeviceLacks) {
             }),
             "it lacks a maxComputeWorkGroupInvocations of at least 256 (it is 128), a "
             "maxComputeWorkGroupSize[0] of at least 256 (it is 255)");
-  EXPECT_EQ(problemOf([](auto& told) { told.properties.limits.maxComputeSharedMemorySize = 20479; }),
-            "it lacks a maxComputeSharedMemorySize of at least 20480 (it is 20479)");
+  EXPECT_EQ(problemOf([](auto& told) { told.properties.limits.maxComputeSharedMemorySize = 24575; }),
+            "it lacks a maxComputeSharedMemorySize of at least 24576 (it is 24575)");
   EXPECT_EQ(withSubgroups(4, 16), "");
   EXPECT_EQ(withSubgroups(128, 128), "");
-  EXPECT_EQ(withSubgroups(8, 64), "it lacks a maxComputeSharedMemorySize of at least 40960 (it is 20480)");
+  EXPECT_EQ(withSubgroups(8, 64), "it lacks a maxComputeSharedMemorySize of at least 49152 (it is 24576)");
   EXPECT_EQ(withSubgroups(2, 4), "it lacks a minSubgroupSize of at least 4 (it is 2)");
   EXPECT_EQ(withSubgroups(64, 256), "it lacks a maxSubgroupSize of at most 128 (it is 256)");
 }

@@ -50,7 +50,7 @@ struct Limit {
 std::vector<Limit> limitsOf(const VkPhysicalDeviceLimits& basic,
                             const VkPhysicalDeviceVulkan13Properties& v13) {
   constexpr uint32_t kGroup = 256;            // Invocations of the largest groups.
-  constexpr uint32_t kSubgroupMemory = 5120;  // Of the exact distance, whose groups need the most for each.
+  constexpr uint32_t kSubgroupMemory = 6144;  // Of the exact distance, whose groups need the most for each.
   constexpr uint32_t kSubgroups = 4;  // More if the smallest subgroup has less than a quarter of the largest.
   const uint32_t subgroups = std::max(kSubgroups, v13.maxSubgroupSize / std::max(v13.minSubgroupSize, 1U));
   return {{"maxComputeWorkGroupInvocations", basic.maxComputeWorkGroupInvocations, kGroup},

@@ -19,11 +19,10 @@ const uint kLeafBit = 0x80000000u;  // Marks leaves among what waits.
 const uint kFewTriangles = 20;
 
 // Triangles and leaves that wait to be measured, with planes below the distances to them: gradients, and values at
-// the block's centre. Then what seems closest to each octant, and what may win in an octant.
+// the block's centre. Then what seems closest to each octant.
 shared uint waiting[kMaxSubgroups * kMostWaiting];
 shared vec4 planes[kMaxSubgroups * kMostWaiting];
 shared uint nearestWaiting[kMaxSubgroups * 8];
-shared uint octantWaiting[kMaxSubgroups * 2 * kMostWaiting];  // Triangles, then leaves.
 uint waitingCount = 0;
 bool hasLeaves = false;
 
@@ -31,8 +30,9 @@ uint waitingAt(uint place) {
   return gl_SubgroupID * kMostWaiting + place;
 }
 
+// Triangles that may win in an octant, then leaves, lie where searches have the stack's bounds.
 uint forOctant(uint place) {
-  return gl_SubgroupID * 2 * kMostWaiting + place;
+  return onStack(place);
 }
 
 // Measures a few triangles, two samples at once for each triangle read.
@@ -86,7 +86,7 @@ void measureOctant(Block block, Octant octant, uint count) {
     shareWithSubgroup();
     Closest closest = before;
     for (uint i = lane() >> 3; i < count; i += shares) {
-      const uint index = octantWaiting[forOctant(i)];
+      const uint index = stackBounds[forOctant(i)];
       const float squared = squaredDistance(readTriangle(push.frames, index), p);
       if (squared < closest.squared) closest = Closest(squared, index);
     }
@@ -148,7 +148,7 @@ Corners octantCorners(Octant octant) {
 // Lists each lane's triangle or leaf for the octant, from place `first` on, if it may win.
 void listForOctant(bool mayWin, uint entry, uint first, inout uint count) {
   const uvec4 all = subgroupBallot(mayWin);
-  if (mayWin) octantWaiting[forOctant(first + count + subgroupBallotExclusiveBitCount(all))] = entry;
+  if (mayWin) stackBounds[forOctant(first + count + subgroupBallotExclusiveBitCount(all))] = entry;
   count += subgroupBallotBitCount(all);
 }
 
@@ -166,7 +166,7 @@ void listOctant(Octant octant, Corners corners, inout uint count, inout uint lea
   }
   shareWithSubgroup();
   for (uint first = 0; first < offered; first += gl_SubgroupSize) {  // As seen from the octant's centre, fewer may win.
-    const uint leaf = octantWaiting[forOctant(kMostWaiting + min(first + lane(), offered - 1))];
+    const uint leaf = stackBounds[forOctant(kMostWaiting + min(first + lane(), offered - 1))];
     const Tangent t = tangentOf(readDisc(push.discs, leaf), octant.block.centre);
     shareWithSubgroup();
     listForOctant(first + lane() < offered && mayWin(t, octant.block, corners), leaf, kMostWaiting, leaves);
@@ -180,7 +180,7 @@ void openLeaves(Octant octant, Corners corners, inout uint leaves, inout uint co
   while (leaves > 0 && count + max(gl_SubgroupSize, kTreeArity) <= kMostWaiting) {
     const uint taken = min(leaves, max(gl_SubgroupSize >> kArityBits, 1));
     leaves -= taken;
-    const uint first = firstTriangleOf(octantWaiting[forOctant(kMostWaiting + leaves + min(parentOfLane(), taken - 1))]);
+    const uint first = firstTriangleOf(stackBounds[forOctant(kMostWaiting + leaves + min(parentOfLane(), taken - 1))]);
     for (uint child = childOfLane(); child < kTreeArity; child += gl_SubgroupSize) {
       const Tangent t = tangentOf(readTriangle(push.frames, first + child), octant.block.centre);
       listForOctant(parentOfLane() < taken && mayWin(t, octant.block, corners), first + child, 0, count);

@@ -34,7 +34,7 @@ uint32_t heavyWorkOf(uint64_t blocks) {
 /// Groups of one dispatch. A multiple of the most along an axis, so that no part has surplus groups.
 constexpr uint32_t kAloneGroups = 16 * kMaxGroups;
 
-/// Limits a group to four subgroups, each of which needs 7.3 KB of shared memory. In software it has one
+/// Limits a group to four subgroups, each of which needs 5.6 KiB of shared memory. In software it has one
 /// subgroup: drivers may treat a subgroup's barrier as the group's (docs/decisions/vulkan_exact_distance.md).
 uint32_t subgroupsFor(const Device& device) {
   constexpr uint32_t kBest = 64;  // Invocations.

@@ -15,7 +15,7 @@ const uint kMostOpened = 7 * 10 + 1;
 const uint kArityBits = 3;  // Of kTreeArity.
 
 shared uint stackNodes[kMaxSubgroups * kStack];
-shared float stackBounds[kMaxSubgroups * kStack];
+shared uint stackBounds[kMaxSubgroups * kStack];  // Bits of floats.
 shared float cornerDistances[kMaxSubgroups * 8];
 
 // Approximate number of loop iterations so far.
@@ -116,7 +116,7 @@ void pushNodes(inout uint size, bool isWanted, uint node, float bound) {
   const uint place = onStack(size + (lane() == last ? count - 1 : rank - uint(lane() > last)));
   if (isWanted) {
     stackNodes[place] = node;
-    stackBounds[place] = bound;
+    stackBounds[place] = floatBitsToUint(bound);
   }
   size += count;
   shareWithSubgroup();
@@ -128,14 +128,14 @@ uint takeNodes(inout uint size, float squared) {
   const uint seen = min(size, gl_SubgroupSize), base = size - seen;
   const bool isSeen = lane() < seen;
   const uint node = isSeen ? stackNodes[onStack(base + lane())] : 0;
-  const float bound = isSeen ? stackBounds[onStack(base + lane())] : kLargestFloat;
+  const float bound = isSeen ? uintBitsToFloat(stackBounds[onStack(base + lane())]) : kLargestFloat;
   const bool isKept = bound < squared;
   const uvec4 kept = subgroupBallot(isKept);
   const uint count = subgroupBallotBitCount(kept), place = onStack(base + subgroupBallotExclusiveBitCount(kept));
   shareWithSubgroup();
   if (isKept) {
     stackNodes[place] = node;
-    stackBounds[place] = bound;
+    stackBounds[place] = floatBitsToUint(bound);
   }
   shareWithSubgroup();
   const uint taken = min(count, openable(base + count));
