@@ -6,15 +6,15 @@
 #include "vulkan/stages/voxel_grid_rows.glsl"
 
 void listParts(uint triangle, uint rows) {
-  const uint count = ceilDiv(rows, kPartRows), first = atomicAdd(push.totals.at[4], count);
-  for (uint part = 0; part < count && first + part < mostParts(); ++part)
+  const uint count = ceilDiv(rows, kPartRows), first = atomicAdd(push.totals.at[kPartsWord], count);
+  for (uint part = 0; part < count && first + part < mostParts(push.mostRows); ++part)
     push.rows.at[first + part] = rowWord(triangle, part * kPartRows);
 }
 
 void main() {
   const uint triangle = invocationIndex();
   uint rows = triangle < push.triangleCount ? rowCount(readLocalTriangle(triangle)) : 0;
-  addToTotal(0, rows);
+  addToTotal(kRowsWord, rows);
   if (rows > kFewRows) {
     listParts(triangle, rows);
     rows = 0;

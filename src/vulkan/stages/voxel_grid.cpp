@@ -25,6 +25,12 @@ namespace raymap::vulkan {
 
 namespace {
 
+static_assert(offsetof(VoxelGridTotals, rows) == sizeof(uint32_t) * kRowsWord &&
+              offsetof(VoxelGridTotals, pairs) == sizeof(uint32_t) * kPairsWord &&
+              offsetof(VoxelGridTotals, parts) == sizeof(uint32_t) * kPartsWord &&
+              offsetof(VoxelGridTotals, openRows) == sizeof(uint32_t) * kOpenRowsWord &&
+              offsetof(VoxelGridTotals, entries) == sizeof(uint32_t) * kEntriesWord);
+
 constexpr uint32_t kMostRows = uint32_t{1} << 30;
 constexpr uint32_t kMostPairs = uint32_t{1} << 30;
 
@@ -37,10 +43,9 @@ uint32_t capacity(uint32_t now, uint64_t counted, uint64_t guess, uint32_t most)
 }  // namespace
 
 VoxelGridStage::VoxelGridStage(Device& device, ScratchMemory* scratch)
-    : groupSize_(std::max(kGroup, device.limits().maxSubgroupSize)),
-      ofTriangles_(device, shaders::kVoxelGrid, groupSize_),
+    : ofTriangles_(device, shaders::kVoxelGrid, kGroup),
       ofParts_(device, shaders::kVoxelGridParts, std::max(kPartRows, device.limits().maxSubgroupSize)),
-      exact_(device, shaders::kVoxelGridExact, groupSize_),
+      exact_(device, shaders::kVoxelGridExact, kGroup),
       findBegins_(device, shaders::kVoxelGridBegins, kGroup),
       writeEntries_(device, shaders::kVoxelGridEntries, kGroup),
       partArguments_(device, "dispatches of large triangles"),
@@ -78,9 +83,9 @@ void VoxelGridStage::reserve(const CellLattice& cells, uint32_t triangles, const
 }
 
 void VoxelGridStage::reserveRows(uint32_t rows) {
-  rows_.resize<uint64_t>(uint64_t{rows} / kFewRows + rows);
-  partArguments_.reserve({.most = rows / kFewRows});
-  openArguments_.reserve({.most = rows, .itemsPerGroup = groupSize_});
+  rows_.resize<uint64_t>(uint64_t{mostParts(rows)} + rows);
+  partArguments_.reserve({.most = mostParts(rows)});
+  openArguments_.reserve({.most = rows, .itemsPerGroup = kGroup});
   mostRows_ = rows;
 }
 
@@ -92,8 +97,7 @@ void VoxelGridStage::reservePairs(uint32_t pairs) {
 }
 
 VkDeviceAddress VoxelGridStage::entryCount() const {
-  return totals_.address() +
-         (hasLists_ ? offsetof(VoxelGridTotals, entries) : offsetof(VoxelGridTotals, pairs));
+  return totals_.address() + sizeof(uint32_t) * (hasLists_ ? kEntriesWord : kPairsWord);
 }
 
 void VoxelGridStage::record(Commands& commands, const DeviceMesh& mesh) {
@@ -102,7 +106,7 @@ void VoxelGridStage::record(Commands& commands, const DeviceMesh& mesh) {
 }
 
 void VoxelGridStage::recordPairs(Commands& commands, const DeviceMesh& mesh) {
-  const auto counted = [&](size_t number) { return totals_.address() + number; };
+  const auto counted = [&](uint32_t word) { return totals_.address() + sizeof(uint32_t) * word; };
   const VoxelGridPush push{.vertices = mesh.vertices,
                            .triangles = mesh.triangles,
                            .totals = totals_.address(),
@@ -120,11 +124,11 @@ void VoxelGridStage::recordPairs(Commands& commands, const DeviceMesh& mesh) {
     if (hasLists_) commands.fill(begins_, kNoCell);
   });
   commands.dispatch(*ofTriangles_, push, mesh.triangleCount);
-  partArguments_.record(commands, counted(offsetof(VoxelGridTotals, parts)));
+  partArguments_.record(commands, counted(kPartsWord));
   partArguments_.dispatch(commands, *ofParts_, push);
-  openArguments_.record(commands, counted(offsetof(VoxelGridTotals, openRows)));
+  openArguments_.record(commands, counted(kOpenRowsWord));
   openArguments_.dispatch(commands, *exact_, push);
-  pairArguments_.record(commands, counted(offsetof(VoxelGridTotals, pairs)));
+  pairArguments_.record(commands, counted(kPairsWord));
 }
 
 void VoxelGridStage::recordLists(Commands& commands) {

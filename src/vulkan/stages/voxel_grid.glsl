@@ -66,7 +66,7 @@ void listFirstPair(CellRun run, uvec4 some, uint pair) {
 void listRuns(CellRun run) {
   const uvec4 some = subgroupBallot(run.size > 0);
   if (some == uvec4(0)) return;
-  const uint first = addToTotal(2, run.size);
+  const uint first = addToTotal(kPairsWord, run.size);
   listFirstPair(run, some, first);
   const bool isLong = run.size > kShortRun;
   for (uint i = 1; i < (isLong ? 0 : run.size); ++i) listPair(first + i, run.triangle, run.firstCell + i);
@@ -84,8 +84,4 @@ void listRuns(CellRun run) {
 
 uint64_t rowWord(uint triangle, uint number) {
   return uint64_t(triangle) << 32 | number;
-}
-
-uint mostParts() {
-  return push.mostRows / kFewRows;
 }

@@ -60,7 +60,6 @@ class VoxelGridStage {
   void recordPairs(Commands& commands, const DeviceMesh& mesh);
   void recordLists(Commands& commands);
 
-  uint32_t groupSize_;
   CellLattice lattice_;
   bool hasLists_ = true;
   LatticeKernel<VoxelGridPush> ofTriangles_, ofParts_, exact_;

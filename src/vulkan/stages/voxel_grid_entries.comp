@@ -8,7 +8,7 @@ layout(push_constant, scalar) uniform Push { VoxelGridListsPush push; };
 
 void main() {
   const uint pair = push.firstGroup * gl_WorkGroupSize.x + invocationIndex();
-  if (pair >= push.totals.at[6]) return;
+  if (pair >= push.totals.at[kEntriesWord]) return;
   const uint cell = push.cells.at[pair], entry = push.begins.at[cell] + push.places.at[pair];
   push.entryCells.at[entry] = cell;
   push.entryTriangles.at[entry] = push.touching.at[pair];

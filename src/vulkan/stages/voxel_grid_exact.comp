@@ -10,8 +10,8 @@
 void main() {
   const uint index = push.firstGroup * gl_WorkGroupSize.x + invocationIndex();
   CellRun run = kNoRun;
-  if (index < min(push.totals.at[5], push.mostRows)) {
-    const uint64_t word = push.rows.at[mostParts() + index];
+  if (index < min(push.totals.at[kOpenRowsWord], push.mostRows)) {
+    const uint64_t word = push.rows.at[mostParts(push.mostRows) + index];
     const Row row = readRow(uint(word >> 32), uint(word));
     run = runOf(row, findRunExactly(row.local, row.j, row.k));
   }

@@ -7,7 +7,7 @@
 
 void main() {
   const uint part = push.firstGroup + groupIndex();
-  if (part >= min(push.totals.at[4], mostParts())) return;
+  if (part >= min(push.totals.at[kPartsWord], mostParts(push.mostRows))) return;
   const uint64_t first = push.rows.at[part];
   const uint triangle = uint(first >> 32), lane = gl_LocalInvocationID.x, row = uint(first) + lane;
   CellRun run = kNoRun;

@@ -10,16 +10,27 @@ RAYMAP_SHARED_BEGIN(raymap::vulkan)
 RAYMAP_CONSTANT uint kFewRows = 8;    // Rows of a triangle that one invocation handles, at most.
 RAYMAP_CONSTANT uint kPartRows = 32;  // Rows of a part of the other triangles.
 
-// What the device counts: rows of cells in the triangles' bounds, and pairs of a cell and a triangle that
-// touches it, in 64 bits each.
+// Numbers that the device counts.
 struct VoxelGridTotals {
-  uint rows, rowsHigh;
-  uint pairs, pairsHigh;
-  uint parts;     // Parts of triangles with many rows.
-  uint openRows;  // Rows for which floats do not suffice.
-  uint entries;   // In the lists; 0 if a capacity did not suffice.
+  uint rows, rowsHigh;    // Rows of cells in the triangles' bounds.
+  uint pairs, pairsHigh;  // Pairs of a cell and a triangle that touches it.
+  uint parts;             // Parts of triangles with many rows.
+  uint openRows;          // Rows for which floats do not suffice.
+  uint entries;           // In the lists; 0 if a capacity did not suffice.
 };
 RAYMAP_CHECK_SIZE(VoxelGridTotals, 28);
+
+// Words of the totals; the upper half of a number of 64 bits is the next one.
+RAYMAP_CONSTANT uint kRowsWord = 0;
+RAYMAP_CONSTANT uint kPairsWord = 2;
+RAYMAP_CONSTANT uint kPartsWord = 4;
+RAYMAP_CONSTANT uint kOpenRowsWord = 5;
+RAYMAP_CONSTANT uint kEntriesWord = 6;
+
+// Returns the most parts that so many rows make: a triangle of n > kFewRows rows has at most n / kFewRows.
+RAYMAP_FUNCTION uint mostParts(uint mostRows) {
+  return mostRows / kFewRows;
+}
 
 struct VoxelGridPush {
   RAYMAP_ADDRESS(Floats) vertices;

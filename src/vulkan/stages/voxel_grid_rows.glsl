@@ -17,7 +17,7 @@ CellRun findRun(uint triangle, uint number) {
   const Row row = readRow(triangle, number);
   ivec2 run;
   if (findRun(row, run)) return runOf(row, run);
-  const uint at = atomicAdd(push.totals.at[5], 1);
-  if (at < push.mostRows) push.rows.at[mostParts() + at] = rowWord(triangle, number);
+  const uint at = atomicAdd(push.totals.at[kOpenRowsWord], 1);
+  if (at < push.mostRows) push.rows.at[mostParts(push.mostRows) + at] = rowWord(triangle, number);
   return kNoRun;
 }
