@@ -55,8 +55,8 @@ def steps_of(device, is_quick):
         tests("vulkan_tests_2", "the other half", "vulkan_tests", vulkan, 2, 2),
         tables("latencies", "what steps without work cost", "latencies"),
         tables("fields", "tables of whole fields, stages and the harmonic solve", "fields", "stages", "solve", "coarse"),
-        tables("counted-scan", "counted work beside measured times, 80 k triangles", "counted-scan"),
-        tables("counted-million", "counted work beside measured times, 1.3 M triangles", f"counted-{largest}"),
+        tables("counted-scan", "counted work beside measured times, the scan", "counted-scan"),
+        tables("counted-million", "counted work beside measured times, the largest mesh", f"counted-{largest}"),
         tables("meshes", "times over the meshes, beside the CPU", "meshes"),
         tables("resolutions", "times over the resolutions, beside the CPU", "resolutions"),
     ]
