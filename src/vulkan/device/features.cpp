@@ -46,7 +46,7 @@ struct Limit {
   uint32_t told, least, most = UINT32_MAX;
 };
 
-/// What the kernels need of the limits that Vulkan leaves to devices: it promises groups of 128 with 16 KiB.
+/// Returns the limits that the kernels need beyond what Vulkan promises, groups of 128 with 16 KiB.
 std::vector<Limit> limitsOf(const VkPhysicalDeviceLimits& basic,
                             const VkPhysicalDeviceVulkan13Properties& v13) {
   constexpr uint32_t kGroup = 256;            // Invocations of the largest groups.

@@ -10,9 +10,9 @@ namespace raymap::vulkan {
 class DispatchArguments {
  public:
   struct Work {
-    uint32_t most = 0;  ///< Items.
+    uint32_t most = 0;  ///< Items, at most.
     uint32_t itemsPerGroup = 1;
-    uint32_t mostGroups = kMostGroups;  ///< Of one dispatch.
+    uint32_t mostGroups = kMostGroups;  ///< Groups of one dispatch, at most.
   };
 
   DispatchArguments(Device& device, const std::string& name);
