@@ -90,8 +90,9 @@ void VoxelGridStage::reserveRows(uint32_t rows) {
 }
 
 void VoxelGridStage::reservePairs(uint32_t pairs) {
-  for (DeviceBuffer* each : {&cells_, &touching_, &places_}) each->resize<uint32_t>(pairs);
-  for (DeviceBuffer* each : {&entryCells_, &entryTriangles_}) each->resize<uint32_t>(hasLists_ ? pairs : 0);
+  for (DeviceBuffer* each : {&cells_, &touching_}) each->resize<uint32_t>(pairs);
+  for (DeviceBuffer* each : {&places_, &entryCells_, &entryTriangles_})
+    each->resize<uint32_t>(hasLists_ ? pairs : 0);
   pairArguments_.reserve({.most = pairs, .itemsPerGroup = kGroup});
   mostPairs_ = pairs;
 }
@@ -113,7 +114,7 @@ void VoxelGridStage::recordPairs(Commands& commands, const DeviceMesh& mesh) {
                            .rows = rows_.address(),
                            .cells = cells_.address(),
                            .touching = touching_.address(),
-                           .places = places_.address(),
+                           .places = hasLists_ ? places_.address() : 0,
                            .begins = hasLists_ ? begins_.address() : 0,
                            .lattice = latticeOf(lattice_),
                            .triangleCount = mesh.triangleCount,

@@ -38,7 +38,7 @@ void writePair(uint pair, uint triangle, uint cell, uint place) {
   if (pair >= push.mostPairs) return;
   push.cells.at[pair] = cell;
   push.touching.at[pair] = triangle;
-  push.places.at[pair] = place;
+  if (uint64_t(push.begins) != 0) push.places.at[pair] = place;
 }
 
 void listPair(uint pair, uint triangle, uint cell) {
