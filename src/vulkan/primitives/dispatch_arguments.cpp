@@ -19,10 +19,10 @@ DispatchArguments::DispatchArguments(Device& device, const std::string& name)
 
 void DispatchArguments::reserve(const Work& work) {
   work_ = work;
+  // Dispatches of more groups extend along y. Their surplus groups would be groups of the next one.
+  if (work_.mostGroups > kMaxGroups) work_.mostGroups -= work_.mostGroups % kMaxGroups;
   parts_ = static_cast<uint32_t>(
-      std::max(ceilDiv(ceilDiv(work.most, work.itemsPerGroup), work.mostGroups), uint64_t{1}));
-  if (parts_ > 1 && work.mostGroups > kMaxGroups && work.mostGroups % kMaxGroups != 0)
-    throw std::logic_error("surplus groups of a part would be groups of the next one");
+      std::max(ceilDiv(ceilDiv(work.most, work.itemsPerGroup), work_.mostGroups), uint64_t{1}));
   entries_.resize<VkDispatchIndirectCommand>(parts_);
 }
 

@@ -359,8 +359,10 @@ void Backend::finish() {
 }
 
 bool Backend::complete() {
-  recordFindings(findings_.handle(), findings_.offset());
-  recordPart(distance_, 0);
+  commands().concurrent([&] {
+    recordFindings(findings_.handle(), findings_.offset());
+    recordPart(distance_, 0);
+  });
   run();
   const Findings& findings = findings_.mapped<Findings>().front();
   if (fits(findings)) return true;

@@ -1,8 +1,10 @@
 #include <cmath>
+#include <utility>
 
 #include "cpu/cells/raster_distance.h"
 #include "cpu/cells/refine.h"
 #include "cpu/cells/triangle.h"
+#include "vulkan/device/dispatch_limits.h"
 #include "vulkan/self_test/checks.h"
 #include "vulkan/self_test/compare.h"
 #include "vulkan/stages/cell_mesh.h"
@@ -56,8 +58,10 @@ std::vector<OwnCellMesh> cellMeshes() {
 }
 
 void checkCellMesh(Subject& subject) {
-  for (const double far : {0.0, 12345.678, 1e9}) {
-    Mesh mesh = shapes::soup(600, 5);
+  constexpr int kManyTriangles = kMostInvocations / 3 + 1000;  // Their vertices take two dispatches.
+  for (const auto& [far, count] :
+       {std::pair(0.0, 600), {12345.678, 600}, {1e9, 600}, {0.0, kManyTriangles}}) {
+    Mesh mesh = shapes::soup(count, 5);
     mesh.origin += far;
     const Grid grid{.dims = {50, 50, 50}, .origin = glm::dvec3(far - 0.123), .spacing = 0.0173};
     const glm::dvec3 shift = mesh.origin - grid.origin;
@@ -70,7 +74,7 @@ void checkCellMesh(Subject& subject) {
     CellMeshStage cells(subject.probe.device());
     cells.reserve(upload.source().vertexCount, upload.source().triangleCount);
     subject.probe.run([&](Commands& commands) { cells.record(commands, upload.source(), grid, 0.0); });
-    inCase("origin " + textOf(far), [&] {
+    inCase(textOf(count) + " triangles, origin " + textOf(far), [&] {
       requireEqual("coordinates", subject.probe.download<float>(cells.vertexBuffer()), expected);
       requireEqual("triangles", subject.probe.download<glm::uvec3>(cells.triangleBuffer()), mesh.triangles);
     });
@@ -95,6 +99,8 @@ void checkTransform(Subject& subject) {
       ++seed;
       compareTransform(subject.cells, dims, randomCells(dims, share, seed, seed % 2 == 0));
     }
+  for (const glm::ivec3 dims : {glm::ivec3(3000, 3, 1), glm::ivec3(2, 3000, 1), glm::ivec3(3, 1, 3000)})
+    compareTransform(subject.cells, dims, randomCells(dims, 0.1, 5));
   // Values so small that they vanish when added to a squared distance.
   const glm::ivec3 dims(40, 6, 50);
   Buffer<float> small = randomCells(dims, 0.01, 3, true);
@@ -107,6 +113,11 @@ void checkTransform(Subject& subject) {
 void checkRefine(Subject& subject) {
   for (const OwnCellMesh& mesh : cellMeshes())
     for (const int reach : {0, 1}) compareRefine(subject.cells, mesh, reach);
+  // All samples are crowded, which takes two dispatches.
+  compareRefine(subject.cells,
+                onGrid(shapes::sphere(0.001, 2, glm::dvec3(0.51)),
+                       {.resolution = 31, .box = Box{glm::dvec3(0.0), glm::dvec3(1.0)}}),
+                0);
 }
 
 void checkRasterDistance(Subject& subject) {

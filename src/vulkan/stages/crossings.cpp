@@ -14,6 +14,7 @@
 #include <bit>
 #include <string>
 
+#include "base/ceil_div.h"
 #include "base/text.h"
 #include "shaders/crossings_reach_spv.h"
 #include "shaders/crossings_runs_spv.h"
@@ -24,6 +25,15 @@ namespace raymap::vulkan {
 namespace {
 
 constexpr uint64_t kMostElements = uint64_t{1} << 31;  // Shaders read indices as signed.
+
+/// Invocations of a dispatch over runs. One takes about a tenth of an invocation of the exact distance.
+constexpr uint32_t kRunsAtOnce = uint32_t{1} << 26;
+
+/// Returns the number of runs of a triangle that covers the whole grid.
+uint64_t runsOfLargest(const glm::u64vec3& dims) {
+  const auto along = [](uint64_t u, uint64_t v) { return ceilDiv(u, uint64_t{kRunLines}) * v; };
+  return along(dims.y, dims.z) + along(dims.x, dims.z) + along(dims.x, dims.y);
+}
 
 void checkSize(uint64_t elements, const char* what) {
   if (elements > kMostElements)
@@ -47,7 +57,6 @@ CrossingsStage::CrossingsStage(Device& device, ScratchMemory* scratch)
       runCounts_(device, "crossings runs"),
       status_(device, "crossings status") {
   status_.resize<CrossingsStatus>(1);
-  arguments_.reserve({.most = kMostRuns, .itemsPerGroup = kCrossingsGroup, .mostGroups = UINT32_MAX});
 }
 
 void CrossingsStage::reserve(const glm::ivec3& dims, uint64_t triangleCount, bool keepsCrossed) {
@@ -65,6 +74,10 @@ void CrossingsStage::reserve(const glm::ivec3& dims, uint64_t triangleCount, boo
   crossed_.resize<uint32_t>(keepsCrossed ? 3 * uint64_t{crossedWords_} : 0);
   runCounts_.resize<uint32_t>(triangleCount + 1);
   scan_.reserve(static_cast<uint32_t>(triangleCount));
+  const uint64_t mostRuns = std::min<uint64_t>(triangleCount * runsOfLargest(dims), kMostRuns);
+  arguments_.reserve({.most = static_cast<uint32_t>(mostRuns),
+                      .itemsPerGroup = kCrossingsGroup,
+                      .mostGroups = kRunsAtOnce / kCrossingsGroup});
 }
 
 void CrossingsStage::record(Commands& commands, const DeviceMesh& mesh) {

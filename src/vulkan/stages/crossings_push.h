@@ -37,7 +37,7 @@ struct CrossingsPush {
   uint dims[3];
   uint triangleCount;
   uint crossedWords;
-  uint unused;
+  uint firstGroup;  // Number of groups before this dispatch.
 };
 RAYMAP_CHECK_SIZE(CrossingsPush, 88);
 

@@ -23,7 +23,7 @@ uint triangleOf(uint run) {
 }
 
 void main() {
-  uint run = invocationIndex();
+  uint run = push.firstGroup * gl_WorkGroupSize.x + invocationIndex();
   const bool areTooMany = push.status.now.runsHigh > 0 || push.status.now.runs > kMostRuns;
   if (areTooMany || run >= push.status.now.runs) return;
   const uint triangle = triangleOf(run);

@@ -85,7 +85,7 @@ void ExactDistanceStage::reserve(const glm::ivec3& dims) {
                            .mostGroups = kAloneGroups});
   restArguments_.reserve({.most = static_cast<uint32_t>(samples()),
                           .itemsPerGroup = groupSize_ / maxSubgroup_,
-                          .mostGroups = UINT32_MAX});
+                          .mostGroups = kAloneGroups});
 }
 
 uint32_t ExactDistanceStage::heavyWork() const {

@@ -14,7 +14,7 @@ void measureLeaf(uint leaf, vec3 p, inout Closest closest) {
 }
 
 void main() {
-  const uint index = subgroupIndex();
+  const uint index = push.firstGroup * gl_NumSubgroups + subgroupIndex();
   if (index >= push.left.at[0]) return;
   const uint s = push.left.at[1 + index];
   const uvec3 at = placeOf(s, gridDims());

@@ -8,12 +8,19 @@
 
 #include <algorithm>
 
+#include "base/ceil_div.h"
 #include "shaders/refine_crowded_spv.h"
 #include "shaders/refine_frames_spv.h"
 #include "shaders/refine_spv.h"
 #include "vulkan/stages/surface_tree_push.h"
 
 namespace raymap::vulkan {
+
+namespace {
+/// Dispatches over the crowded samples. Each costs time even if it is empty. Grids of so many samples that a
+/// dispatch has more than kMostGroups fit on fast devices only.
+constexpr uint32_t kMostParts = 32;
+}  // namespace
 
 RefineStage::RefineStage(Device& device, ScratchMemory* scratch)
     : findFrames_(device, shaders::kRefineFrames, kRefineGroup),
@@ -30,7 +37,10 @@ void RefineStage::reserve(const glm::ivec3& dims, uint32_t triangles, std::span<
   levels_.reserve(levels);
   frames_.resize<glm::vec4>(uint64_t{triangles} * kFrameVectors);
   crowdedCount_.resize<uint32_t>(1);
-  arguments_.reserve({.most = dims_.x * dims_.y * dims_.z, .mostGroups = UINT32_MAX});
+  const uint32_t samples = dims_.x * dims_.y * dims_.z;
+  arguments_.reserve(
+      {.most = samples,
+       .mostGroups = std::max(kMostGroups, static_cast<uint32_t>(ceilDiv(samples, kMostParts)))});
 }
 
 void RefineStage::record(Commands& commands, const DeviceMesh& mesh, const Fields& fields, int reach) {

@@ -8,8 +8,9 @@
 shared Closest closestOf[kRefineGroup / 4];  // Per subgroup; none has fewer than four invocations.
 
 void main() {
-  if (groupIndex() >= push.crowdedCount.at[0]) return;
-  const uint index = push.crowded.at[groupIndex()];
+  const uint crowded = push.firstGroup + groupIndex();
+  if (crowded >= push.crowdedCount.at[0]) return;
+  const uint index = push.crowded.at[crowded];
   Closest closest = noneYet();
   measure(index, laneIndex(), kRefineGroup, closest);
   const float squared = subgroupMin(closest.squared);

@@ -23,7 +23,7 @@ struct RefinePush {
   uint reach;      // 1: also measures the neighbours of the nearest cell.
   uint mostAlone;  // Triangles that one invocation measures alone, at most.
   uint triangleCount;
-  uint unused;
+  uint firstGroup;  // Number of groups before this dispatch.
 };
 RAYMAP_CHECK_SIZE(RefinePush, 96);
 
