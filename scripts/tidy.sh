@@ -17,7 +17,7 @@ mapfile -t units < <(scripts/tidy_units.py make build/tidy)
 if [[ $# -eq 0 ]]; then files=("${units[@]}"); fi
 # The analyzer gives up on a function after a tenth of the states that it may visit by default, for another third.
 analyzer=(--extra-arg=-Xclang --extra-arg=-analyzer-config --extra-arg=-Xclang --extra-arg=max-nodes=22500)
-gcc_only=(--extra-arg=-Wno-unknown-warning-option --extra-arg=-Wno-deprecated-declarations)
+gcc_only=(--extra-arg=-Wshadow-uncaptured-local --extra-arg=-Wno-unknown-warning-option --extra-arg=-Wno-deprecated-declarations)
 printf '%s\0' "${files[@]}" |
   xargs -0 -n 1 -P "$(nproc)" "$env/bin/clang-tidy" -p $commands --quiet "${analyzer[@]}" "${gcc_only[@]}" 2>&1 |
   scripts/tidy_units.py name build/tidy | sed '/^[0-9]* warnings\? generated\.$/d'

@@ -191,11 +191,11 @@ void Backend::rayMap() {
 
 void Backend::winding(SignMode mode) {
   const auto ask = [this](size_t more) { this->ask(more, ", because the mesh has holes or reversed faces"); };
-  const auto rims = [this](SignMode mode) -> const RimLattices& {
+  const auto rims = [this](SignMode signMode) -> const RimLattices& {
     // A fit needs no rims. `windingDipoles` does, once all faces are chosen.
     const bool areAllTaken =
         !areTurned() || std::ranges::find(crossedTurns_, kLeftOut) == crossedTurns_.end();
-    if (mode != SignMode::Harmonic || !mustFit_ || !areAllTaken) return findRims(mode);
+    if (signMode != SignMode::Harmonic || !mustFit_ || !areAllTaken) return findRims(signMode);
     areRimsFound_ = false;
     return rims_ = {};
   };
