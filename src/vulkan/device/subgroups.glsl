@@ -8,3 +8,9 @@
 uint laneIndex() {
   return gl_SubgroupID * gl_SubgroupSize + gl_SubgroupInvocationID;
 }
+
+// Returns the least of values that are 0 or more. Their bits have the same order, and cards reduce integers in one
+// instruction.
+float subgroupMinSquare(float value) {
+  return uintBitsToFloat(subgroupMin(floatBitsToUint(value)));
+}

@@ -110,7 +110,7 @@ void pushNodes(inout uint size, bool isWanted, uint node, float bound) {
   const uvec4 wanted = subgroupBallot(isWanted);
   const uint count = subgroupBallotBitCount(wanted);
   if (count == 0) return;
-  const float least = subgroupMin(isWanted ? bound : kLargestFloat);
+  const float least = subgroupMinSquare(isWanted ? bound : kLargestFloat);
   const uint last = subgroupBallotFindLSB(subgroupBallot(isWanted && bound == least));
   const uint rank = subgroupBallotExclusiveBitCount(wanted);
   const uint place = onStack(size + (lane() == last ? count - 1 : rank - uint(lane() > last)));
@@ -149,7 +149,7 @@ struct Closest {
 };
 
 void takeClosest(inout Closest closest, float squared, uint triangle) {
-  const float least = subgroupMin(squared);
+  const float least = subgroupMinSquare(squared);
   if (!(least < closest.squared)) return;
   closest.squared = least;
   closest.triangle = subgroupMin(squared == least ? triangle : kNoneClosest);

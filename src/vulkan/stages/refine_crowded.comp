@@ -13,7 +13,7 @@ void main() {
   const uint index = push.crowded.at[crowded];
   Closest closest = noneYet();
   measure(index, laneIndex(), kRefineGroup, closest);
-  const float squared = subgroupMin(closest.squared);
+  const float squared = subgroupMinSquare(closest.squared);
   const uint triangle = subgroupMin(closest.squared == squared ? closest.triangle : 0xffffffffu);
   if (subgroupElect()) closestOf[gl_SubgroupID] = Closest(squared, triangle);
   barrier();
