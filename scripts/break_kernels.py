@@ -56,7 +56,7 @@ FAULTS = [
     ("weight of the edges in the middle of a path", STAGES + "winding_paths.comp",
      "side == 0 || side == 3 ? 2 : 1", "side == 0 ? 2 : 1", ""),
     ("rows that floats leave open dropped", STAGES + "voxel_grid_exact.comp",
-     "findRunExactly(row.local, row.j, row.k)", "ivec2(0, -1)", ""),
+     "findRun(row, lane)", "ivec2(0, -1)", ""),
     ("places of crowded samples overlap", STAGES + "refine.comp",
      "atomicAdd(push.crowdedCount.at[0], 1)", "push.crowdedCount.at[0]++", ""),
     ("groups of each dispatch numbered from 0", STAGES + "refine_crowded.comp",

@@ -56,32 +56,21 @@ ExactCorners exactCorners(LocalTriangle local) {
   return corners;
 }
 
-// Clips by the edges: the rows in the projection along x, and the cells of row j, k in those along y and z.
-void clipByEdges(inout Interval rows, inout Interval row, ExactCorners corners, int j, int k) {
-  u64vec3 a = corners.a, b = corners.b, c = corners.c;
-  [[dont_unroll]] for (uint n = 0; n < 9; ++n) {
-    const uint along = n / 3, axis = along == 0 ? 1 : 0, other = along == 2 ? 1 : 2;
-    const Double aX = pick(a, axis), aY = pick(a, other), cX = pick(c, axis), cY = pick(c, other);
-    const Double factor = difference(pick(b, other), aY);
-    const Double across = negative(difference(pick(b, axis), aX));
-    const Double m0 = sum(product(factor, aX), product(across, aY));
-    const Double m1 = sum(product(factor, cX), product(across, cY));
-    const Double reach = product(corners.margin, sum(absolute(factor), absolute(across)));
-    const Double shift = product(across, doubleOf(along == 2 ? j : k));
-    const Double from = difference(difference(minimum(m0, m1), reach), shift);
-    const Double to = difference(sum(maximum(m0, m1), reach), shift);
-    Interval interval = row;
-    if (along == 0) interval = rows;
-    clip(interval, factor, from, to);
-    if (along == 0)
-      rows = interval;
-    else
-      row = interval;
-    const u64vec3 first = a;
-    a = b;
-    b = c;
-    c = first;
-  }
+// Clips by an edge in a projection: the rows in that along x, and the cells of row j, k in those along y and z.
+void clipByEdge(inout Interval interval, ExactCorners corners, uint edge, uint along, int j, int k) {
+  const u64vec3 a = edge == 0 ? corners.a : edge == 1 ? corners.b : corners.c;
+  const u64vec3 b = edge == 0 ? corners.b : edge == 1 ? corners.c : corners.a;
+  const u64vec3 c = edge == 0 ? corners.c : edge == 1 ? corners.a : corners.b;
+  const uint axis = along == 0 ? 1 : 0, other = along == 2 ? 1 : 2;
+  const Double aX = pick(a, axis), aY = pick(a, other), cX = pick(c, axis), cY = pick(c, other);
+  const Double factor = difference(pick(b, other), aY);
+  const Double across = negative(difference(pick(b, axis), aX));
+  const Double m0 = sum(product(factor, aX), product(across, aY));
+  const Double m1 = sum(product(factor, cX), product(across, cY));
+  const Double reach = product(corners.margin, sum(absolute(factor), absolute(across)));
+  const Double shift = product(across, doubleOf(along == 2 ? j : k));
+  clip(interval, factor, difference(difference(minimum(m0, m1), reach), shift),
+       difference(sum(maximum(m0, m1), reach), shift));
 }
 
 // Clips by the triangle's plane.
@@ -108,11 +97,20 @@ void clipByPlane(inout Interval row, ExactCorners corners, int j, int k) {
   clip(row, alongX, difference(difference(height, reach), shift), difference(sum(height, reach), shift));
 }
 
-ivec2 findRunExactly(LocalTriangle local, int j, int k) {
+// The clips of a row are independent: three edges in three projections, and the plane. The first three are of the rows.
+const uint kClips = 10;
+
+Interval clipOf(LocalTriangle local, uint n, int j, int k) {
   const ExactCorners corners = exactCorners(local);
-  Interval rows = Interval(0, doubleOf(local.extent.y)), row = Interval(0, doubleOf(local.extent.x));
-  clipByEdges(rows, row, corners, j, k);
-  clipByPlane(row, corners, j, k);
+  Interval interval = Interval(0, doubleOf(n < 3 ? local.extent.y : local.extent.x));
+  if (n + 1 == kClips)
+    clipByPlane(interval, corners, j, k);
+  else
+    clipByEdge(interval, corners, n % 3, n / 3, j, k);
+  return interval;
+}
+
+ivec2 runBetween(Interval rows, Interval row, int j) {
   const bool isReached = !isEmpty(rows) && j >= ceilOf(rows.low) && j <= floorOf(rows.high);
   return isReached && !isEmpty(row) ? ivec2(ceilOf(row.low), floorOf(row.high)) : ivec2(0, -1);
 }

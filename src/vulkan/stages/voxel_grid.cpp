@@ -45,7 +45,7 @@ uint32_t capacity(uint32_t now, uint64_t counted, uint64_t guess, uint32_t most)
 VoxelGridStage::VoxelGridStage(Device& device, ScratchMemory* scratch)
     : ofTriangles_(device, shaders::kVoxelGrid, kGroup),
       ofParts_(device, shaders::kVoxelGridParts, std::max(kPartRows, device.limits().maxSubgroupSize)),
-      exact_(device, shaders::kVoxelGridExact, kGroup),
+      exact_(device, shaders::kVoxelGridExact, kOpenRowsGroup),
       findBegins_(device, shaders::kVoxelGridBegins, kGroup),
       writeEntries_(device, shaders::kVoxelGridEntries, kGroup),
       partArguments_(device, "dispatches of large triangles"),
@@ -85,7 +85,7 @@ void VoxelGridStage::reserve(const CellLattice& cells, uint32_t triangles, const
 void VoxelGridStage::reserveRows(uint32_t rows) {
   rows_.resize<uint64_t>(uint64_t{mostParts(rows)} + rows);
   partArguments_.reserve({.most = mostParts(rows)});
-  openArguments_.reserve({.most = rows, .itemsPerGroup = kGroup});
+  openArguments_.reserve({.most = rows, .itemsPerGroup = kOpenRowsGroup / kOpenRowLanes});
   mostRows_ = rows;
 }
 

@@ -1,5 +1,6 @@
 // Lists the pairs of the rows for which floats do not suffice. This is a kernel of its own because few rows need it, and
-// its many values would leave room for fewer invocations at once.
+// its many values would leave room for fewer invocations at once. Doubles in software are a long chain of integers, so
+// several invocations share a row.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "vulkan/device/kernel.glsl"
@@ -7,13 +8,32 @@
 #include "vulkan/stages/voxel_grid.glsl"
 #include "vulkan/stages/cell_runs_exact.glsl"
 
+shared Interval clips[kOpenRowsGroup];
+
+void intersect(inout Interval interval, Interval other) {
+  interval = Interval(maximum(interval.low, other.low), minimum(interval.high, other.high));
+}
+
+ivec2 findRun(Row row, uint first) {
+  Interval rows = clips[first], cells = clips[first + 3];
+  for (uint n = 1; n < 3; ++n) intersect(rows, clips[first + n]);
+  for (uint n = 4; n < kClips; ++n) intersect(cells, clips[first + n]);
+  return runBetween(rows, cells, row.j);
+}
+
+// Each invocation makes one clip of a row, and the first one of each row lists its run.
 void main() {
-  const uint index = push.firstGroup * gl_WorkGroupSize.x + invocationIndex();
-  CellRun run = kNoRun;
-  if (index < min(push.totals.at[kOpenRowsWord], push.mostRows)) {
+  const uint lane = laneIndex(), clip = lane % kOpenRowLanes;
+  const uint index = ((push.firstGroup + groupIndex()) * kOpenRowsGroup + lane) / kOpenRowLanes;
+  const bool isOpen = index < min(push.totals.at[kOpenRowsWord], push.mostRows);
+  Row row;
+  if (isOpen) {
     const uint64_t word = push.rows.at[mostParts(push.mostRows) + index];
-    const Row row = readRow(uint(word >> 32), uint(word));
-    run = runOf(row, findRunExactly(row.local, row.j, row.k));
+    row = readRow(uint(word >> 32), uint(word));
+    if (clip < kClips) clips[lane] = clipOf(row.local, clip, row.j, row.k);
   }
+  barrier();
+  CellRun run = kNoRun;
+  if (isOpen && clip == 0) run = runOf(row, findRun(row, lane));
   listRuns(run);
 }

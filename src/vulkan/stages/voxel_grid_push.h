@@ -9,6 +9,9 @@ RAYMAP_SHARED_BEGIN(raymap::vulkan)
 
 RAYMAP_CONSTANT uint kFewRows = 8;    // Rows of a triangle that one invocation handles, at most.
 RAYMAP_CONSTANT uint kPartRows = 32;  // Rows of a part of the other triangles.
+RAYMAP_CONSTANT uint kOpenRowsGroup =
+    128;                                  // Invocations of a group for rows for which floats do not suffice.
+RAYMAP_CONSTANT uint kOpenRowLanes = 16;  // Invocations that share such a row.
 
 // Numbers that the device counts.
 struct VoxelGridTotals {
