@@ -27,6 +27,12 @@ constexpr double kWarp = 32.0;
 /// loops.
 constexpr double kInstructionsPerOperation = 1.15;
 constexpr double kWorthARow = 0.02;  ///< Share of all instructions that a kernel needs for a row of its own.
+/// What an NVIDIA H200 showed: bytes and warp instructions of a millisecond, and the milliseconds of a step,
+/// of an instruction that waits for the one before, and of a load.
+constexpr double kBytes = 4.17e9, kIssued = 0.92e9, kStep = 3e-3, kInstruction = 2e-6, kLoad = 1.5e-4;
+/// Share of the instructions that the card issued in stages that keep it busy.
+const std::map<std::string, double> kIssueRates{
+    {"distance_transform", 0.37}, {"exact_distance", 0.48}, {"refine", 0.6}};
 constexpr const char* kReadBack = "read_back";
 constexpr int kMeasuredRuns = 5;
 
@@ -257,11 +263,20 @@ std::map<std::string, double> measure(const vulkan::DeviceOptions& where, const 
   return times;
 }
 
+/// Returns the milliseconds that a model of an NVIDIA H200 gives: a step waits for the one before, and a
+/// stage takes as long as its bytes, its instructions or its longest invocations.
+double predict(const std::string& stage, const Work& work) {
+  const auto rate = kIssueRates.find(stage);
+  const double issued = kIssued * (rate == kIssueRates.end() ? 1.0 : rate->second);
+  return kStep * work.steps + std::max({work.bytes / kBytes, work.instructions / issued,
+                                        kInstruction * work.longest + kLoad * work.rounds});
+}
+
 /// Prints a row. `key` is its name among the measured times.
-void printRow(const std::string& name, const std::string& key, const Work& work,
+void printRow(const std::string& name, const std::string& key, const Work& work, double predicted,
               const std::map<std::string, double>& times) {
-  std::printf("| %s | %u | %u | %.1f | %.2f | %.0f | %.0f |", name.c_str(), work.steps, work.commands,
-              1e-6 * work.bytes, 1e-6 * work.instructions, work.longest, work.rounds);
+  std::printf("| %s | %u | %u | %.1f | %.2f | %.0f | %.0f | %.3f |", name.c_str(), work.steps, work.commands,
+              1e-6 * work.bytes, 1e-6 * work.instructions, work.longest, work.rounds, predicted);
   if (const auto time = times.find(key); time != times.end()) std::printf(" %.3f |", time->second);
   std::puts(times.contains(key) ? "" : " |");
 }
@@ -269,18 +284,22 @@ void printRow(const std::string& name, const std::string& key, const Work& work,
 void printTable(const std::vector<CountedCommand>& commands, const std::map<std::string, double>& times) {
   std::puts(
       "| stage | steps | commands | MB | million warp instructions | longest, instructions | longest, rounds "
-      "of loads | measured ms |\n|---|---|---|---|---|---|---|---|");
+      "of loads | predicted ms | measured ms |\n|---|---|---|---|---|---|---|---|---|");
   const std::vector<StageWork> stages = stagesOf(commands);
   Work all;
+  double predicted = 0.0;
   for (const StageWork& stage : stages)
-    if (!crossesTheBus(stage)) addUp(all, stage.work);
+    if (!crossesTheBus(stage)) {
+      addUp(all, stage.work);
+      predicted += predict(stage.name, stage.work);
+    }
   for (const auto& [name, work, parts] : stages) {
-    printRow(name, name, work, times);
+    printRow(name, name, work, predict(name, work), times);
     for (const StageWork& part : parts)
       if (parts.size() > 1 && part.work.instructions > kWorthARow * all.instructions)
-        printRow("– " + part.name, partName(name, part.name), part.work, times);
+        printRow("– " + part.name, partName(name, part.name), part.work, predict(name, part.work), times);
   }
-  printRow("all", "all", all, times);
+  printRow("all", "all", all, predicted, times);
   std::printf("\nwaits for the host: %u\n", waitsOf(commands));
 }
 
