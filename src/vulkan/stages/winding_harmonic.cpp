@@ -17,7 +17,7 @@ namespace raymap::vulkan {
 namespace {
 
 constexpr uint32_t kRestrictGroup = kRestrictX * kRestrictY * kRestrictZ;
-constexpr uint32_t kCoarseGroup = 256;
+constexpr uint32_t kMostCoarseGroup = 1024;
 constexpr double kRestrictShare = 0.125;  // Samples of the next coarser lattice per sample.
 
 uint64_t restrictGroups(const glm::ivec3& coarse) {
@@ -35,7 +35,8 @@ WindingHarmonicStage::WindingHarmonicStage(Device& device, ScratchMemory* scratc
       restrict_(device, shaders::kWindingHarmonicRestrict, kRestrictGroup),
       correct_(device, shaders::kWindingHarmonicCorrect, kGroup),
       prolong_(device, shaders::kWindingHarmonicProlong, kGroup),
-      coarse_(device, shaders::kWindingHarmonicCoarse, kCoarseGroup, {kCoarsestSweeps}) {}
+      coarse_(device, shaders::kWindingHarmonicCoarse, std::min(kMostCoarseGroup, device.limits().groupSize),
+              {kCoarsestSweeps, 0, 1}) {}
 
 void WindingHarmonicStage::reserve(const glm::ivec3& dims) {
   const auto count = static_cast<size_t>(coarsestHarmonicLevel(dims)) + 1;
@@ -108,7 +109,8 @@ void WindingHarmonicStage::relax(Commands& commands, WindingHarmonicPush push, u
 }
 
 /// Solves the two coarsest lattices, or runs a V-cycle on them.
-void WindingHarmonicStage::solveCoarse(Commands& commands, const WindingFields& fields, uint32_t firstColour) {
+void WindingHarmonicStage::solveCoarse(Commands& commands, const WindingFields& fields,
+                                       uint32_t firstColour) {
   WindingHarmonicPush both = push(fields, coarse());
   both.rightHandSide = levels_[coarse()].rightHandSide.address();
   both.colour = firstColour;

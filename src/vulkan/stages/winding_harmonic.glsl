@@ -7,6 +7,8 @@
 
 // Whether the lattices are those on which numbers follow from rims.
 layout(constant_id = 2) const uint kHasRims = 0;
+// Whether a right-hand side is stored; else it is where its address is not 0.
+layout(constant_id = 3) const uint kHasEquations = 0;
 layout(push_constant, scalar) uniform Push { WindingHarmonicPush push; };
 
 ivec3 gridDims() {
@@ -81,7 +83,7 @@ float sumJumps(ivec3 s, uint level) {
 }
 
 float rightHandSide(ivec3 s, ivec3 dims) {
-  if (uint64_t(push.rightHandSide) != 0) return push.rightHandSide.at[indexOf(s, dims)];
+  if (kHasEquations != 0 || uint64_t(push.rightHandSide) != 0) return push.rightHandSide.at[indexOf(s, dims)];
   return sumJumps(s, push.level);
 }
 

@@ -38,10 +38,16 @@ float coarseAt(ivec3 s, ivec3 coarse) {
   return field[indexOf(s, coarse)];
 }
 
-// Returns zero beyond the lattice, as on its rim.
-float residualAt(ivec3 s) {
-  const ivec3 dims = boxDims(push.level);
-  return SharedFloats(push.coarse).at[indexOf(clamp(s, ivec3(0), dims - 1), dims)];
+float residualAt(uint i) {
+  return SharedFloats(push.coarse).at[i];
+}
+
+// Returns what the residuals require of a coarser sample. Beyond the lattice they are zero, as on its rim.
+float restrictedTo(ivec3 coarser, ivec3 dims) {
+  const ivec3 s = 2 * (coarser - coarseBefore());
+  if (any(lessThan(s, ivec3(0))) || any(greaterThanEqual(s, dims))) return 0.0;
+  const uvec3 strides = uvec3(1, dims.x, dims.x * dims.y);
+  return restricted(indexOf(s, dims), strides * uvec3(greaterThan(s, ivec3(0))), strides * uvec3(lessThan(s, dims - 1)));
 }
 
 // Makes the group's writes visible to all of it.
@@ -76,7 +82,7 @@ void restrictResidual(Pairs pairs, ivec3 dims, Pairs coarsePairs, ivec3 coarse) 
   for (ivec3 pair = coarsePairs.first; pair.z < coarsePairs.dims.z; pair = nextPair(pair, coarsePairs))
     for (uint colour = 0; colour < 2; ++colour) {
       const ivec3 s = sampleOfPair(pair, colour);
-      if (s.x < coarse.x) push.coarseEquations.at[indexOf(s, coarse)] = restricted(2 * (s - coarseBefore()));
+      if (s.x < coarse.x) push.coarseEquations.at[indexOf(s, coarse)] = restrictedTo(s, dims);
     }
 }
 

@@ -13,16 +13,16 @@ RAYMAP_CONSTANT uint kMostCoarsest = 17;  // Maximum number of samples of the co
 
 // Parameters of all kernels of the harmonic solve: a lattice, its values, and the next coarser lattice.
 struct WindingHarmonicPush {
-  RAYMAP_ADDRESS(Ints) rays[3];           // The ray map, by axis.
-  RAYMAP_ADDRESS(Floats) values;          // Values of the lattice.
-  RAYMAP_ADDRESS(Floats) rightHandSide;   // Right-hand side of its equations; 0: taken from the ray map.
-  RAYMAP_ADDRESS(Floats) coarse;          // Values of the next coarser lattice.
-  RAYMAP_ADDRESS(Floats) coarseEquations; // Right-hand side of its equations.
-  uint gridX, gridY, gridZ;               // Samples of the grid.
-  uint level;                             // Level of the lattice, which has every 2^level-th sample.
-  uint colour;                            // Half of the samples to relax.
-  float factor;                           // Factor of over-relaxation of the coarsest lattice.
-  uint firstGroup;                        // Number of groups before this dispatch.
+  RAYMAP_ADDRESS(Ints) rays[3];            // The ray map, by axis.
+  RAYMAP_ADDRESS(Floats) values;           // Values of the lattice.
+  RAYMAP_ADDRESS(Floats) rightHandSide;    // Right-hand side of its equations; 0: taken from the ray map.
+  RAYMAP_ADDRESS(Floats) coarse;           // Values of the next coarser lattice.
+  RAYMAP_ADDRESS(Floats) coarseEquations;  // Right-hand side of its equations.
+  uint gridX, gridY, gridZ;                // Samples of the grid.
+  uint level;                              // Level of the lattice, which has every 2^level-th sample.
+  uint colour;                             // Half of the samples to relax.
+  float factor;                            // Factor of over-relaxation of the coarsest lattice.
+  uint firstGroup;                         // Number of groups before this dispatch.
   uint unused;
 };
 RAYMAP_CHECK_SIZE(WindingHarmonicPush, 88);

@@ -14,8 +14,8 @@ float valueAt(uint i) {
   return push.values.at[i];
 }
 
-float residualAt(ivec3 s) {
-  return residual[indexOf(s, kHalo)];
+float residualAt(uint i) {
+  return residual[i];
 }
 
 // Loads the residuals of all samples that the group's coarse samples depend on; zero outside and on the rim.
@@ -34,7 +34,8 @@ void main() {
   barrier();
   const ivec3 local = sampleAt(gl_LocalInvocationIndex, kTile), s = low + local;
   if (any(greaterThanEqual(s, coarse))) return;
-  const float asked = restricted(2 * local + 1);
+  const uvec3 strides = uvec3(1, kHalo.x, kHalo.x * kHalo.y);
+  const float asked = restricted(indexOf(2 * local + 1, kHalo), strides, strides);
   push.coarseEquations.at[indexOf(s, coarse)] = asked;
   push.coarse.at[indexOf(s, coarse)] = isFirstColour(s) && isInner(s, coarse) ? asked * (1.0 / 6.0) : 0.0;
 }

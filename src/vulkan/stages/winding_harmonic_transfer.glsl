@@ -2,7 +2,7 @@
 
 // Each kernel says where the coarser lattice's values and the residuals of this one lie.
 float coarseAt(ivec3 s, ivec3 coarse);
-float residualAt(ivec3 s);
+float residualAt(uint i);
 
 // Returns how many coarser samples lie before the one at this lattice's first sample.
 int coarseBefore() {
@@ -52,15 +52,18 @@ float correctionOf(ivec3 s, ivec3 coarse) {
   return 0.5 * (near + far);
 }
 
-float restrictedX(ivec3 s) {
-  return 0.5 * residualAt(s) + 0.25 * (residualAt(s - ivec3(1, 0, 0)) + residualAt(s + ivec3(1, 0, 0)));
+float restrictedX(uint i, uvec3 before, uvec3 after) {
+  return 0.5 * residualAt(i) + 0.25 * (residualAt(i - before.x) + residualAt(i + after.x));
 }
 
-float restrictedXY(ivec3 s) {
-  return 0.5 * restrictedX(s) + 0.25 * (restrictedX(s - ivec3(0, 1, 0)) + restrictedX(s + ivec3(0, 1, 0)));
+float restrictedXY(uint i, uvec3 before, uvec3 after) {
+  return 0.5 * restrictedX(i, before, after) +
+         0.25 * (restrictedX(i - before.y, before, after) + restrictedX(i + after.y, before, after));
 }
 
-// Returns the residual around a sample, weighted, in the units of the coarser equations, whose cells are twice as wide.
-float restricted(ivec3 s) {
-  return 2.0 * restrictedXY(s) + (restrictedXY(s - ivec3(0, 0, 1)) + restrictedXY(s + ivec3(0, 0, 1)));
+// Returns the weighted residual around a sample, in the units of the coarser equations, whose cells are twice as wide.
+// `before` and `after` are the distances to the places of its neighbours along each axis.
+float restricted(uint i, uvec3 before, uvec3 after) {
+  return 2.0 * restrictedXY(i, before, after) +
+         (restrictedXY(i - before.z, before, after) + restrictedXY(i + after.z, before, after));
 }
