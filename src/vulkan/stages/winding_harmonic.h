@@ -22,9 +22,9 @@ class WindingHarmonicStage {
   void record(Commands& commands, const WindingFields& fields);
 
  private:
-  /// One lattice of the hierarchy, with values and right-hand side. At first these are the solution and the
-  /// jumps. After the next finer lattice has started from the solution, they are a correction and the
-  /// residual that it reduces. The finest lattice's values are the result; its right-hand side is not stored.
+  /// One lattice of the hierarchy, with values and right-hand side. At first these are the solution and, of
+  /// the two coarsest, the jumps. After the next finer lattice has started from the solution, they are a
+  /// correction and the residual that it reduces. The finest lattice's values are the result.
   struct Level {
     LatticeBox box;
     DeviceBuffer values, rightHandSide;
