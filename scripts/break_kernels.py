@@ -44,7 +44,7 @@ FAULTS = [
     ("wrong constant: a fifth instead of a sixth", STAGES + "winding_harmonic_relax.comp",
      "(1.0 / 6.0)", "(1.0 / 5.0)", ""),
     ("one colour relaxed twice", STAGES + "winding_harmonic_relax.comp",
-     "int(push.colour) + 1", "1", ""),
+     "pairs), push.colour)", "pairs), 0)", ""),
     ("fractions of the squared distances ignored", STAGES + "distance_transform.comp",
      "uvec2(fractionOf(value), ", "uvec2(0, ", ""),
     ("missing barrier before the discs of the leaves", STAGES + "surface_tree_leaves.comp",

@@ -13,6 +13,7 @@
 #include "error_code.h"
 #include "pictures.h"
 #include "shapes.h"
+#include "testing/kernels/work_counter.h"
 #include "vulkan/self_test/compare.h"
 #include "vulkan_device.h"
 
@@ -304,6 +305,44 @@ TEST_F(VulkanFrames, DrawAFieldThatHasMoved) {
                          renderField(moved, options, {.device = "cpu"}));
     }
   }
+}
+
+// The gate of the harmonic solve is shut, but its steps are recorded.
+TEST_F(VulkanFrames, TakeFewSteps) {
+  WorkCounter counter(Measured::Time);
+  Device counted{DeviceOptions{}};
+  counter.start(counted);
+  {
+    const Probe probe(counted);
+    Generator generator(counted.handles());
+    const Mesh mesh = shapes::sphere(1.0, 3);
+    const Grid grid = fitGrid(mesh, {.resolution = 32});
+    const DeviceBuffer vertices = probe.upload(mesh.vertices), triangles = probe.upload(mesh.triangles);
+    const MeshBuffers buffers{.vertices = range(vertices),
+                              .vertexCount = uint32_t(mesh.vertices.size()),
+                              .triangles = range(triangles),
+                              .triangleCount = uint32_t(mesh.triangles.size())};
+    DeviceBuffer distance(counted, "distance"), status(counted, "status");
+    distance.resize<float>(grid.sampleCount());
+    status.resize<std::byte>(statusBytes());
+    const auto stepsOf = [&](const FieldOptions& options) {
+      generator.reserve({.vertices = buffers.vertexCount,
+                         .triangles = buffers.triangleCount,
+                         .dims = grid.dims,
+                         .distance = options.distance,
+                         .sign = options.sign});
+      counter.clear();
+      probe.run([&](Commands& commands) {
+        generator.record(commands.handle(), buffers, grid, options,
+                         {.distance = range(distance), .status = range(status)});
+      });
+      EXPECT_FALSE(generator.status().error);
+      return counter.commands().back().step + 1 - counter.commands().front().step;
+    };
+    EXPECT_LE(stepsOf({}), 56U);
+    EXPECT_LE(stepsOf({.distance = DistanceMode::Cell, .sign = SignMode::Rays}), 34U);
+  }
+  counter.stop();
 }
 
 }  // namespace

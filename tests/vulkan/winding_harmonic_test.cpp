@@ -4,6 +4,7 @@
 
 #include "broken_meshes.h"
 #include "sign_scene.h"
+#include "testing/kernels/work_counter.h"
 #include "vulkan/self_test/compare.h"
 #include "vulkan_device.h"
 
@@ -33,6 +34,25 @@ TEST_F(VulkanWindingHarmonic, SolvesNothingWhereAllRaysAgree) {
   EXPECT_EQ(windingAfter(kept<Probe>(), map, before, 0,
                          [&](Commands& commands, const auto& fields) { harmonic.record(commands, fields); }),
             before);
+}
+
+/// Each step costs an animation some microseconds, even behind a shut gate.
+TEST_F(VulkanWindingHarmonic, TakesFewSteps) {
+  WorkCounter counter(Measured::Time);
+  Device counted{DeviceOptions{}};
+  counter.start(counted);
+  {
+    const Probe probe(counted);
+    const DeviceBuffer doubtful = probe.upload(std::vector<uint32_t>{0});
+    WindingHarmonicStage harmonic(counted);
+    for (const auto& [samples, steps] : {std::pair{32, 10U}, {64, 23U}, {128, 41U}}) {
+      harmonic.reserve(glm::ivec3(samples));
+      counter.clear();
+      probe.run([&](Commands& commands) { harmonic.record(commands, {.doubtful = doubtful.address()}); });
+      EXPECT_EQ(counter.commands().back().step + 1 - counter.commands().front().step, steps) << samples;
+    }
+  }
+  counter.stop();
 }
 
 }  // namespace

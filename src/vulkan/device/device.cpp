@@ -121,7 +121,8 @@ void Device::readLimits() {
   std::vector<VkQueueFamilyProperties> families(count);
   vkGetPhysicalDeviceQueueFamilyProperties(handles_.physical, &count, families.data());
   const uint32_t timestampBits = families.at(queueFamily()).timestampValidBits;
-  limits_ = {.sharedMemory = basic.maxComputeSharedMemorySize,
+  limits_ = {.groupSize = std::min(basic.maxComputeWorkGroupInvocations, basic.maxComputeWorkGroupSize[0]),
+             .sharedMemory = basic.maxComputeSharedMemorySize,
              .minSubgroupSize = v13.minSubgroupSize,
              .maxSubgroupSize = v13.maxSubgroupSize,
              .bufferSize = std::min({v13.maxBufferSize, v11.maxMemoryAllocationSize, kMostBytes}),

@@ -24,6 +24,7 @@ struct DeviceOptions {
 };
 
 struct DeviceLimits {
+  uint32_t groupSize = 0;        ///< Most invocations per work group.
   uint32_t sharedMemory = 0;     ///< Bytes per work group.
   uint32_t minSubgroupSize = 0;  ///< Fewest invocations per subgroup.
   uint32_t maxSubgroupSize = 0;

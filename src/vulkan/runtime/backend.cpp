@@ -262,7 +262,7 @@ void Backend::windingDipoles() {
 
 template <class Work>
 double Backend::countDoubtful(Work&& work) {
-  recordFindings(findings_.handle(), findings_.offset());
+  recordFindings({{findings_.handle(), findings_.offset()}});
   const size_t part = submitPart();
   recordDueDistance();
   try {
@@ -360,7 +360,7 @@ void Backend::finish() {
 
 bool Backend::complete() {
   commands().concurrent([&] {
-    recordFindings(findings_.handle(), findings_.offset());
+    recordFindings({{findings_.handle(), findings_.offset()}});
     recordPart(distance_, 0);
   });
   run();

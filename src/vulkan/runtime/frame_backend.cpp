@@ -58,8 +58,7 @@ void FrameBackend::begin() {
 void FrameBackend::finish() {
   recordFinish();
   if (frame_->image) image_.record(commands(), frame_->image, frame_->imageLayout);
-  recordFindings(findings_.handle(), findings_.offset());
-  if (frame_->status.buffer) recordFindings(frame_->status.buffer, frame_->status.offset);
+  recordFindings({{findings_.handle(), findings_.offset()}, frame_->status});
   showAll(frame_->commands.handle());
 }
 

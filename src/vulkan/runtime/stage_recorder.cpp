@@ -180,9 +180,10 @@ void StageRecorder::recordFinish() {
                   .spacing = grid_->spacing});
 }
 
-void StageRecorder::recordFindings(VkBuffer to, VkDeviceSize offset) {
+void StageRecorder::recordFindings(std::initializer_list<BufferRange> targets) {
   const auto copy = [&](const DeviceBuffer& from, size_t part) {
-    commands_->copy(from, to, offset + part, from.bytes());
+    for (const BufferRange& to : targets)
+      if (to.buffer) commands_->copy(from, to.buffer, to.offset + part, from.bytes());
   };
   commands_->concurrent([&] {
     copy(mesh_.status(), offsetof(Findings, mesh));

@@ -113,7 +113,8 @@ class StageRecorder {
   void recordPatch(const HolePatch& patch);
   CloseHolesStage& closeHolesStage() { return closeHoles_; }
   void recordFinish();
-  void recordFindings(VkBuffer to, VkDeviceSize offset);
+  /// Copies the findings to all targets that have a buffer.
+  void recordFindings(std::initializer_list<BufferRange> targets);
   /// Returns the status that the findings mean, for a run over the extent.
   Status describe(const Findings& findings) const;
 

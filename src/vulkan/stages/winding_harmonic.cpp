@@ -6,9 +6,8 @@
 #include <algorithm>
 
 #include "base/ceil_div.h"
-#include "shaders/winding_harmonic_coarsest_spv.h"
+#include "shaders/winding_harmonic_coarse_spv.h"
 #include "shaders/winding_harmonic_correct_spv.h"
-#include "shaders/winding_harmonic_jumps_spv.h"
 #include "shaders/winding_harmonic_prolong_spv.h"
 #include "shaders/winding_harmonic_relax_spv.h"
 #include "shaders/winding_harmonic_restrict_spv.h"
@@ -18,7 +17,7 @@ namespace raymap::vulkan {
 namespace {
 
 constexpr uint32_t kRestrictGroup = kRestrictX * kRestrictY * kRestrictZ;
-constexpr uint32_t kCoarsestGroup = 256;
+constexpr uint32_t kMostCoarseGroup = 1024;
 constexpr double kRestrictShare = 0.125;  // Samples of the next coarser lattice per sample.
 
 uint64_t restrictGroups(const glm::ivec3& coarse) {
@@ -32,12 +31,12 @@ WindingHarmonicStage::WindingHarmonicStage(Device& device, ScratchMemory* scratc
     : device_(&device),
       scratch_(scratch),
       gate_(device, "dispatches of the harmonic solve"),
-      jumps_(device, shaders::kWindingHarmonicJumps, kGroup),
       relax_(device, shaders::kWindingHarmonicRelax, kGroup),
       restrict_(device, shaders::kWindingHarmonicRestrict, kRestrictGroup),
       correct_(device, shaders::kWindingHarmonicCorrect, kGroup),
       prolong_(device, shaders::kWindingHarmonicProlong, kGroup),
-      coarsest_(device, shaders::kWindingHarmonicCoarsest, kCoarsestGroup, {kCoarsestSweeps}) {}
+      coarse_(device, shaders::kWindingHarmonicCoarse, std::min(kMostCoarseGroup, device.limits().groupSize),
+              {kCoarsestSweeps, 0, 1}) {}
 
 void WindingHarmonicStage::reserve(const glm::ivec3& dims) {
   const auto count = static_cast<size_t>(coarsestHarmonicLevel(dims)) + 1;
@@ -49,7 +48,8 @@ void WindingHarmonicStage::reserve(const glm::ivec3& dims) {
     Level& level = levels_[l];
     level.box = harmonicBox(dims, int(l));
     if (l == 0) continue;
-    level.values.resize<float>(level.box.sampleCount());
+    // The coarsest lattice's values are shared memory. Its buffer holds the residuals of the next finer one.
+    level.values.resize<float>(levels_[std::min(l, count - 2)].box.sampleCount());
     level.rightHandSide.resize<float>(level.box.sampleCount());
   }
   dims_ = dims;
@@ -59,7 +59,7 @@ void WindingHarmonicStage::reserve(const glm::ivec3& dims) {
 void WindingHarmonicStage::plan() {
   double cycle = 0.0;  // Samples that a V-cycle visits: relaxed twice, corrected, restricted.
   work_ = 0.0;
-  for (uint32_t l = coarsest(); l-- > 0;) {
+  for (uint32_t l = coarse(); l-- > 0;) {
     const auto samples = double(levels_[l].box.sampleCount());
     cycle += (3.0 + kRestrictShare) * samples;
     work_ += cycle + samples;  // Prolonged before.
@@ -69,78 +69,60 @@ void WindingHarmonicStage::plan() {
     const LatticeBox& box = levels_[l].box;
     const uint64_t half = uint64_t(box.dims.x + 1) / 2 * uint64_t(box.dims.y) * uint64_t(box.dims.z);
     for (const uint64_t count : {ceilDiv(box.sampleCount(), kGroup), ceilDiv(half, kGroup),
-                                 l < coarsest() ? restrictGroups(levels_[l + 1].box.dims) : 1, uint64_t{1}})
+                                 l < coarse() ? restrictGroups(levels_[l + 1].box.dims) : 1, uint64_t{1}})
       groups.push_back(count);  // In the order of `Extent`.
   }
   gate_.plan(groups, kMostGroups);
 }
 
+/// Solves by full multigrid: each lattice starts from the solution on the next coarser one. One V-cycle then
+/// leaves an error below that of the lattice itself (docs/signs.md).
 void WindingHarmonicStage::record(Commands& commands, const WindingFields& fields) {
   gate_.record(commands, fields.doubtful);
   done_ = 0.0;
-  commands.concurrent([&] {
-    for (uint32_t l = 1; l < levels_.size(); ++l)
-      gate_.dispatch(commands, jumps_, push(fields, l, levels_[l].rightHandSide.address()),
-                     l * kExtents + static_cast<uint32_t>(Extent::Samples));
-  });
-  for (uint32_t l = coarsest() + 1; l-- > 0;) solve(commands, fields, l);
-}
-
-/// Solves by full multigrid: each lattice starts from the solution on the next coarser one. One V-cycle then
-/// leaves an error below that of the lattice itself (docs/signs.md).
-void WindingHarmonicStage::solve(Commands& commands, const WindingFields& fields, uint32_t level) {
-  const VkDeviceAddress values = level == 0 ? fields.winding : levels_[level].values.address();
-  const VkDeviceAddress jumps = level == 0 ? 0 : levels_[level].rightHandSide.address();
-  if (level == coarsest()) {
-    solveCoarsest(commands, values, jumps);
-    return;
+  solveCoarse(commands, fields, 0);
+  for (uint32_t l = coarse(); l-- > 0;) {
+    dispatch(commands, prolong_, push(fields, l), Extent::Samples);
+    improve(commands, fields, l, 0);
   }
-  WindingHarmonicPush prolong = push(fields, level, values);
-  prolong.coarse = levels_[level + 1].values.address();
-  dispatch(commands, prolong_, prolong, Extent::Samples);
-  improve(commands, fields, level, values, jumps);
 }
 
 /// Runs a V-cycle: the error that remains after relaxing is smooth, so the coarser lattice resolves it, and
-/// it has no jumps.
+/// it has no jumps. On that lattice it begins with the second colour, as restricting has relaxed the first.
 void WindingHarmonicStage::improve(Commands& commands, const WindingFields& fields, uint32_t level,
-                                   VkDeviceAddress values, VkDeviceAddress rightHandSide) {
-  const Level& coarse = levels_[level + 1];
-  WindingHarmonicPush fine = push(fields, level, values);
-  fine.rightHandSide = rightHandSide;
-  relax(commands, fine);
-  fine.coarse = coarse.rightHandSide.address();
+                                   uint32_t firstColour) {
+  WindingHarmonicPush fine = push(fields, level);
+  if (firstColour > 0) fine.rightHandSide = levels_[level].rightHandSide.address();
+  relax(commands, fine, firstColour);
   dispatch(commands, restrict_, fine, Extent::RestrictGroups);
-  if (level + 1 == coarsest()) {
-    solveCoarsest(commands, coarse.values.address(), coarse.rightHandSide.address());
-  } else {
-    commands.fill(coarse.values, 0);
-    improve(commands, fields, level + 1, coarse.values.address(), coarse.rightHandSide.address());
-  }
-  fine.coarse = coarse.values.address();
+  if (level + 1 == coarse())
+    solveCoarse(commands, fields, 1);
+  else
+    improve(commands, fields, level + 1, 1);
   dispatch(commands, correct_, fine, Extent::Samples);
-  relax(commands, fine);
+  relax(commands, fine, 0);
 }
 
-void WindingHarmonicStage::relax(Commands& commands, WindingHarmonicPush push) {
-  for (const uint32_t colour : {0U, 1U}) {
-    push.colour = colour;
+void WindingHarmonicStage::relax(Commands& commands, WindingHarmonicPush push, uint32_t firstColour) {
+  for (push.colour = firstColour; push.colour < 2; ++push.colour)
     dispatch(commands, relax_, push, Extent::HalfSamples);
-  }
 }
 
-void WindingHarmonicStage::solveCoarsest(Commands& commands, VkDeviceAddress values,
-                                         VkDeviceAddress rightHandSide) {
-  WindingHarmonicPush whole = push({}, coarsest(), values);
-  whole.rightHandSide = rightHandSide;
-  whole.factor = overrelaxation(levels_[coarsest()].box.dims);
-  dispatch(commands, coarsest_, whole, Extent::OneGroup);
+/// Solves the two coarsest lattices, or runs a V-cycle on them.
+void WindingHarmonicStage::solveCoarse(Commands& commands, const WindingFields& fields,
+                                       uint32_t firstColour) {
+  WindingHarmonicPush both = push(fields, coarse());
+  both.rightHandSide = levels_[coarse()].rightHandSide.address();
+  both.colour = firstColour;
+  both.factor = overrelaxation(levels_.back().box.dims);
+  dispatch(commands, coarse_, both, Extent::OneGroup);
 }
 
-WindingHarmonicPush WindingHarmonicStage::push(const WindingFields& fields, uint32_t level,
-                                               VkDeviceAddress values) const {
+WindingHarmonicPush WindingHarmonicStage::push(const WindingFields& fields, uint32_t level) const {
   return {.rays = {fields.rays[0], fields.rays[1], fields.rays[2]},
-          .values = values,
+          .values = level == 0 ? fields.winding : levels_[level].values.address(),
+          .coarse = levels_[level + 1].values.address(),
+          .coarseEquations = levels_[level + 1].rightHandSide.address(),
           .gridX = static_cast<uint32_t>(dims_.x),
           .gridY = static_cast<uint32_t>(dims_.y),
           .gridZ = static_cast<uint32_t>(dims_.z),

@@ -7,6 +7,8 @@
 
 // Whether the lattices are those on which numbers follow from rims.
 layout(constant_id = 2) const uint kHasRims = 0;
+// Whether a right-hand side is stored; else it is where its address is not 0.
+layout(constant_id = 3) const uint kHasEquations = 0;
 layout(push_constant, scalar) uniform Push { WindingHarmonicPush push; };
 
 ivec3 gridDims() {
@@ -47,44 +49,58 @@ bool isInner(ivec3 s, ivec3 dims) {
   return all(greaterThan(s, ivec3(0))) && all(lessThan(s, dims - 1));
 }
 
+ivec3 pairDims(ivec3 dims) {
+  return ivec3((dims.x + 1) / 2, dims.yz);
+}
+
+// Returns the sample of one of the two colours, which alternate along each axis, in a pair of samples along x. The last
+// pair may reach beyond the lattice.
+ivec3 sampleOfPair(ivec3 pair, uint colour) {
+  return ivec3(2 * pair.x + ((pair.y + pair.z + int(colour) + 1) & 1), pair.yz);
+}
+
+bool isFirstColour(ivec3 s) {
+  return ((s.x + s.y + s.z) & 1) == 1;
+}
+
 // Returns the sum of the amounts by which w at a sample should exceed its two neighbours along an axis (Eq.
 // 5). An edge of the lattice is a chain of the grid's edges, and its count is the sum of theirs.
-int jumpAlong(Ints rays, uint axis, ivec3 s) {
+int jumpAlong(Ints rays, uint axis, ivec3 s, uint level) {
   const ivec3 dims = gridDims();
-  const ivec3 at = (s + boxLow(push.level)) << int(push.level);
+  const ivec3 at = (s + boxLow(level)) << int(level);
   ivec3 across = at;
   across[axis] = 0;
   if (any(lessThan(across, ivec3(0))) || any(greaterThanEqual(across, dims))) return 0;
   ivec3 before = at, after = at;
-  before[axis] -= 1 << push.level;
-  after[axis] += 1 << push.level;
+  before[axis] -= 1 << level;
+  after[axis] += 1 << level;
   return 2 * rayFrom(rays, axis, dims, at) - rayFrom(rays, axis, dims, before) - rayFrom(rays, axis, dims, after);
 }
 
-int sumJumps(ivec3 s) {
-  return jumpAlong(push.rays[0], 0, s) + jumpAlong(push.rays[1], 1, s) + jumpAlong(push.rays[2], 2, s);
+float sumJumps(ivec3 s, uint level) {
+  return float(jumpAlong(push.rays[0], 0, s, level) + jumpAlong(push.rays[1], 1, s, level) +
+               jumpAlong(push.rays[2], 2, s, level));
 }
 
 float rightHandSide(ivec3 s, ivec3 dims) {
-  if (uint64_t(push.rightHandSide) != 0) return push.rightHandSide.at[indexOf(s, dims)];
-  return float(sumJumps(s));
+  if (kHasEquations != 0 || uint64_t(push.rightHandSide) != 0) return push.rightHandSide.at[indexOf(s, dims)];
+  return sumJumps(s, push.level);
 }
+
+// Each kernel says where values lie.
+float valueAt(uint i);
 
 // Returns six times the value of an inner sample that its neighbours and the right-hand side require.
 float asked(ivec3 s, ivec3 dims) {
   const uint i = indexOf(s, dims);
   const uint row = uint(dims.x), plane = row * uint(dims.y);
-  const float alongX = push.values.at[i - 1] + push.values.at[i + 1];
-  const float alongY = push.values.at[i - row] + push.values.at[i + row];
-  const float alongZ = push.values.at[i - plane] + push.values.at[i + plane];
+  const float alongX = valueAt(i - 1) + valueAt(i + 1);
+  const float alongY = valueAt(i - row) + valueAt(i + row);
+  const float alongZ = valueAt(i - plane) + valueAt(i + plane);
   return (alongX + alongY) + (alongZ + rightHandSide(s, dims));
 }
 
-// Returns the place of the sample of the next coarser lattice at or before a sample.
-ivec3 coarseBelow(ivec3 s) {
-  return (s >> 1) + boxLow(push.level) / 2 - boxLow(push.level + 1);
-}
-
-float coarseAt(ivec3 s, ivec3 dims) {
-  return push.coarse.at[indexOf(s, dims)];
+// Returns the residual of a sample, whose values must not change meanwhile: zero on the lattice's rim.
+float residualOf(ivec3 s, ivec3 dims) {
+  return isInner(s, dims) ? asked(s, dims) - 6.0 * valueAt(indexOf(s, dims)) : 0.0;
 }

@@ -22,9 +22,9 @@ class WindingHarmonicStage {
   void record(Commands& commands, const WindingFields& fields);
 
  private:
-  /// One lattice of the hierarchy, with values and right-hand side. At first these are the solution and the
-  /// jumps. After the next finer lattice has started from the solution, they are a correction and the
-  /// residual that it reduces. The finest lattice's values are the result; its right-hand side is not stored.
+  /// One lattice of the hierarchy, with values and right-hand side. At first these are the solution and, of
+  /// the two coarsest, the jumps. After the next finer lattice has started from the solution, they are a
+  /// correction and the residual that it reduces. The finest lattice's values are the result.
   struct Level {
     LatticeBox box;
     DeviceBuffer values, rightHandSide;
@@ -34,16 +34,15 @@ class WindingHarmonicStage {
   static constexpr uint32_t kExtents = 4;
 
   void plan();
-  void solve(Commands& commands, const WindingFields& fields, uint32_t level);
-  void improve(Commands& commands, const WindingFields& fields, uint32_t level, VkDeviceAddress values,
-               VkDeviceAddress rightHandSide);
-  void solveCoarsest(Commands& commands, VkDeviceAddress values, VkDeviceAddress rightHandSide);
-  void relax(Commands& commands, WindingHarmonicPush push);
-  WindingHarmonicPush push(const WindingFields& fields, uint32_t level, VkDeviceAddress values) const;
+  void improve(Commands& commands, const WindingFields& fields, uint32_t level, uint32_t firstColour);
+  void solveCoarse(Commands& commands, const WindingFields& fields, uint32_t firstColour);
+  void relax(Commands& commands, WindingHarmonicPush push, uint32_t firstColour);
+  WindingHarmonicPush push(const WindingFields& fields, uint32_t level) const;
   void dispatch(Commands& commands, Kernel<WindingHarmonicPush>& kernel, const WindingHarmonicPush& push,
                 Extent extent);
   void report(Commands& commands, uint32_t level, Extent extent);
-  uint32_t coarsest() const { return static_cast<uint32_t>(levels_.size()) - 1; }
+  /// The finer one of the two lattices that one group solves.
+  uint32_t coarse() const { return static_cast<uint32_t>(levels_.size()) - 2; }
 
   Device* device_;
   ScratchMemory* scratch_;
@@ -51,7 +50,7 @@ class WindingHarmonicStage {
   std::vector<Level> levels_;
   double work_ = 0.0, done_ = 0.0;  // Samples that a whole solve visits, and those visited so far.
   Gate gate_;
-  Kernel<WindingHarmonicPush> jumps_, relax_, restrict_, correct_, prolong_, coarsest_;
+  Kernel<WindingHarmonicPush> relax_, restrict_, correct_, prolong_, coarse_;
 };
 
 }  // namespace raymap::vulkan

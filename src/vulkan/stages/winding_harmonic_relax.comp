@@ -5,12 +5,14 @@
 #include "vulkan/device/kernel.glsl"
 #include "vulkan/stages/winding_harmonic.glsl"
 
+float valueAt(uint i) {
+  return push.values.at[i];
+}
+
 void main() {
-  const ivec3 dims = boxDims(push.level);
-  const ivec3 pairs = ivec3((dims.x + 1) / 2, dims.yz);
+  const ivec3 dims = boxDims(push.level), pairs = pairDims(dims);
   const uint i = wholeInvocationIndex();
   if (i >= sampleCount(pairs)) return;
-  ivec3 s = sampleAt(i, pairs);
-  s.x = 2 * s.x + ((s.y + s.z + int(push.colour) + 1) & 1);
+  const ivec3 s = sampleOfPair(sampleAt(i, pairs), push.colour);
   if (isInner(s, dims)) push.values.at[indexOf(s, dims)] = asked(s, dims) * (1.0 / 6.0);
 }
