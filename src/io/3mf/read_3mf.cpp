@@ -52,9 +52,9 @@ class Scene3mf {
  public:
   explicit Scene3mf(ZipParts& parts) : parts_(parts), root_(findRoot(parts)) {
     readParts();
-    for (const auto& [id, parts] : readSlicerParts(parts_))
+    for (const auto& [id, unprinted] : readSlicerParts(parts_))
       if (const auto found = models_.at(root_).objects.find(id); found != models_.at(root_).objects.end())
-        found->second.unprinted = removeUnprinted(parts_.file(), found->second, parts);
+        found->second.unprinted = removeUnprinted(parts_.file(), found->second, unprinted);
     for (const auto& [name, part] : models_)
       for (const auto& [id, object] : part.objects) nodes_[{name, id}].object = &object;
   }
