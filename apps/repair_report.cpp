@@ -70,6 +70,9 @@ void printMended(const RepairReport& report, const std::optional<double>& base) 
   const size_t turned = report.kept ? report.stats.turnedFaces.size() : 0;
   std::string words;
   if (turned > 0) words += "reversed " + counted(turned, "face");
+  if (report.cleanedFaces > 0)
+    words += (words.empty() ? "" : ", ") +
+             ("removed " + counted(report.cleanedFaces, "degenerate or repeated face"));
   if (report.closingFaces > 0 && !base)
     words += (words.empty() ? "" : ", ") + ("closed " + counted(report.closedHoles, "hole")) + " with " +
              counted(report.closingFaces, "face");
@@ -87,7 +90,7 @@ void printMended(const RepairReport& report, const std::optional<double>& base) 
 void printKept(const RepairReport& report) {
   if (report.simplified.tolerance > 0.0)
     std::printf("its own faces are simplified, as nothing else is wrong with it; --remesh makes new ones\n");
-  else if (report.closingFaces == 0 && report.stats.turnedFaces.empty())
+  else if (report.cleanedFaces + report.closingFaces == 0 && report.stats.turnedFaces.empty())
     std::printf("kept as it is, because nothing is wrong with it; --remesh makes new faces\n");
 }
 

@@ -467,8 +467,11 @@ class RepairReport(TypedDict):
     parts_overlap: bool
     """Whether parts overlap, touch or nest wrongly, and all else is right."""
     kept: bool
-    """Whether the mesh's own faces were kept or simplified: nothing was wrong with it, or only holes and turned faces.
-    ``stats.turnedFaces`` has these."""
+    """Whether the mesh's own faces were kept or simplified: nothing was wrong with it, or only holes, turned,
+    degenerate and repeated faces. ``stats.turnedFaces`` has these."""
+    cleaned_faces: int
+    """Number of degenerate and repeated faces that were removed, or replaced together with a neighbour, so that the
+    other faces could be kept."""
     closed_holes: int
     """Number of holes that faces were added to close, before anything else."""
     closing_faces: int

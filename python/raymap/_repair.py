@@ -202,7 +202,7 @@ def repair(
     """Returns a watertight solid in place of any mesh, for example to print it.
 
     A mesh that has nothing wrong and needs no change is returned with its own faces. So is one with small holes, which
-    get faces, and one with a few turned faces, which are turned back. Holes that a plane closes get faces first. Else the result is the surface of the mesh's field, so details smaller than a sample are lost. The deviation is measured.
+    get faces, and one with a few turned faces, which are turned back, or degenerate and repeated ones, which are removed. Holes that a plane closes get faces first. Else the result is the surface of the mesh's field, so details smaller than a sample are lost. The deviation is measured.
 
     Args:
         mesh_or_vertices: A mesh, the path of a file, or positions, (n, 3), as for ``raymap.generate``.

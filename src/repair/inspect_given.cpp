@@ -4,6 +4,7 @@
 #include "mesh/compact.h"
 #include "mesh/diagnostics.h"
 #include "repair/stages.h"
+#include "repair/topology/clean_faces.h"
 #include "repair/topology/drop_pieces.h"
 
 namespace raymap {
@@ -51,6 +52,28 @@ void keep(const Model& mesh, RepairRun& run) {
   inspectResult(run);
 }
 
+/// Keeps the faces of a mesh that only degenerate and repeated faces make wrong, without these, and with the
+/// holes and turned faces that `mend` takes back.
+void keepCleaned(const Model& mesh, RepairRun& run) {
+  const CleanedFaces cleaned = cleanFaces(mesh);
+  if (cleaned.count == 0) return;
+  const Model clean(cleaned.mesh);
+  const Diagnostics found = diagnose(clean, {.brief = true});
+  const SelfIntersections crossing = findSelfIntersections(clean);
+  if (!crossesNowhere(crossing)) return;
+  if (looksRight(found)) {
+    if (!isRight(arrangeParts(clean, found, crossing))) return;
+    keep(clean, run);
+  } else {
+    Mended& mended = run.mended;
+    mended = mend(clean, found, crossing, run.fieldOptions.orientation, run.options, true);
+    if (!mended.isRight) return void(mended = {});
+    for (uint32_t& face : mended.turned) face = cleaned.given[face];
+    keep(Model(mended.mesh), run);
+  }
+  run.report.cleanedFaces = cleaned.count;
+}
+
 }  // namespace
 
 void inspectGiven(RepairRun& run) {
@@ -72,9 +95,12 @@ void inspectGiven(RepairRun& run) {
   report.partsOverlap = isRightButParts && !isRight(arrangement);
   if (isRightButParts && !report.partsOverlap && !options.base)
     keep(mesh, run);
-  else if (!found.watertight || !found.consistentlyOriented || options.base)
+  else if (mayKeep && !options.base && found.degenerateFaces + found.duplicateFaces > 0)
+    keepCleaned(mesh, run);
+  if (!report.kept && (!found.watertight || !found.consistentlyOriented || options.base)) {
     mended = mend(mesh, found, crossing, run.fieldOptions.orientation, options, mayKeep);
-  if (mended.isRight) keep(Model(mended.mesh), run);
+    if (mended.isRight) keep(Model(mended.mesh), run);
+  }
   report.closedHoles = mended.filled.holes;
   report.closingFaces = mended.filled.faces;
   report.stats.turnedFaces = mended.turned;

@@ -1,0 +1,174 @@
+#include "repair/topology/clean_faces.h"
+
+#include <algorithm>
+#include <array>
+#include <optional>
+#include <utility>
+
+#include "mesh/compact.h"
+#include "mesh/disjoint_sets.h"
+#include "mesh/double_sided.h"
+#include "mesh/face_measures.h"
+
+namespace raymap {
+
+namespace {
+
+constexpr double kShortEdge = 1e-6;  // Share of the face's longest edge.
+
+bool hasRepeatedCorner(const glm::uvec3& t) {
+  return t.x == t.y || t.y == t.z || t.z == t.x;
+}
+
+/// Leaves out the faces that are marked.
+void leaveOut(const std::vector<bool>& isLeftOut, CleanedFaces& cleaned) {
+  size_t kept = 0;
+  for (size_t f = 0; f < cleaned.given.size(); ++f) {
+    if (isLeftOut[f]) continue;
+    cleaned.mesh.triangles[kept] = cleaned.mesh.triangles[f];
+    cleaned.given[kept++] = cleaned.given[f];
+  }
+  cleaned.count += cleaned.given.size() - kept;
+  cleaned.mesh.triangles.resize(kept);
+  cleaned.given.resize(kept);
+}
+
+void leaveOutFlat(CleanedFaces& cleaned) {
+  std::vector<bool> isFlat;
+  for (const glm::uvec3& t : cleaned.mesh.triangles) isFlat.push_back(hasRepeatedCorner(t));
+  leaveOut(isFlat, cleaned);
+}
+
+void leaveOutRepeated(CleanedFaces& cleaned) {
+  std::vector<bool> isRepeated(cleaned.given.size());
+  for (const uint32_t face : findDoubleSidedFaces(PackedMesh(cleaned.mesh)).repeated) isRepeated[face] = true;
+  leaveOut(isRepeated, cleaned);
+}
+
+/// Edges of a face by length: edge k goes from corner k to the next.
+struct EdgeLengths {
+  int shortest = 0, longest = 0;
+  bool isShort = false;
+};
+
+EdgeLengths edgeLengths(const Mesh& mesh, const glm::uvec3& t) {
+  glm::dvec3 squares;
+  for (int k = 0; k < 3; ++k) {
+    const glm::dvec3 edge = glm::dvec3(mesh.vertices[t[(k + 1) % 3]]) - glm::dvec3(mesh.vertices[t[k]]);
+    squares[k] = glm::dot(edge, edge);
+  }
+  EdgeLengths lengths;
+  for (int k = 1; k < 3; ++k) {
+    if (squares[k] < squares[lengths.shortest]) lengths.shortest = k;
+    if (squares[k] > squares[lengths.longest]) lengths.longest = k;
+  }
+  lengths.isShort = squares[lengths.shortest] < kShortEdge * kShortEdge * squares[lengths.longest];
+  return lengths;
+}
+
+std::vector<uint32_t> degenerateFaces(const Model& mesh) {
+  std::vector<uint32_t> faces;
+  forEachFaceMeasure(mesh, glm::dvec3(0.0), [&](size_t face, const FaceMeasure& measure) {
+    if (measure.isDegenerate) faces.push_back(uint32_t(face));
+  });
+  return faces;
+}
+
+/// Welds the ends of short edges of degenerate faces. Returns whether there were any.
+bool weldShortEdges(CleanedFaces& cleaned, const std::vector<uint32_t>& degenerate) {
+  Mesh& mesh = cleaned.mesh;
+  DisjointSets sets(mesh.vertices.size());
+  bool isAny = false;
+  for (const uint32_t f : degenerate) {
+    const glm::uvec3& t = mesh.triangles[f];
+    const EdgeLengths lengths = edgeLengths(mesh, t);
+    if (!lengths.isShort) continue;
+    sets.link(t[lengths.shortest], t[(lengths.shortest + 1) % 3]);
+    isAny = true;
+  }
+  if (!isAny) return false;
+  for (glm::uvec3& t : mesh.triangles)
+    for (int c = 0; c < 3; ++c) t[c] = sets.root(t[c]);
+  leaveOutFlat(cleaned);
+  return true;
+}
+
+/// A face across an edge, and the corner that it does not share.
+struct Neighbour {
+  uint32_t face, apex;
+};
+
+/// Returns the face across edge `k` of a face; nothing unless exactly these two have it, in opposite order.
+std::optional<Neighbour> neighbourOf(const Model& mesh, uint32_t face, int k) {
+  const std::span<const SortKey> keys = mesh.halfEdges();
+  const glm::uvec3 t = weldedFace(mesh, mesh.welding(), face);
+  const auto [low, high] = std::minmax({t[k], t[(k + 1) % 3]});
+  const uint64_t edge = uint64_t{low} << 32 | high;
+  const auto found = std::ranges::equal_range(keys, edge, {}, &SortKey::high);
+  if (found.size() != 2) return {};
+  const HalfEdge a = halfEdgeOf(found[0]), b = halfEdgeOf(found[1]);
+  if (a.isForward == b.isForward) return {};
+  const uint32_t other = a.face == face ? b.face : a.face;
+  const glm::uvec3 welded = weldedFace(mesh, mesh.welding(), other);
+  for (int c = 0; c < 3; ++c)
+    if (welded[c] != low && welded[c] != high) return Neighbour{other, mesh.triangles[other][c]};
+  return {};
+}
+
+/// Leaves out faces that a flip has laid on others which face the other way: the flipped edge was there already.
+void leaveOutFlaps(CleanedFaces& cleaned, const std::vector<bool>& isFlipped) {
+  const DoubleSidedFaces found = findDoubleSidedFaces(PackedMesh(cleaned.mesh));
+  std::vector<bool> isFlap, isLeftOut(cleaned.given.size());
+  for (const uint32_t face : found.firsts) isFlap.push_back(isFlipped[face]);
+  for (size_t k = 0; k < found.others.size(); ++k)
+    if (isFlipped[found.others[k]]) isFlap[found.groupOf[k]] = true;
+  for (size_t g = 0; g < isFlap.size(); ++g) isLeftOut[found.firsts[g]] = isFlap[g];
+  for (size_t k = 0; k < found.others.size(); ++k) isLeftOut[found.others[k]] = isFlap[found.groupOf[k]];
+  leaveOut(isLeftOut, cleaned);
+}
+
+/// Flips the longest edges of degenerate faces whose neighbours there are sound, each face at most once.
+/// Returns whether there were any.
+bool flipLongEdges(CleanedFaces& cleaned, const std::vector<uint32_t>& degenerate) {
+  const Model mesh(cleaned.mesh);
+  std::vector<bool> isTaken(cleaned.given.size());
+  for (const uint32_t face : degenerate) isTaken[face] = true;
+  std::vector<std::pair<uint32_t, glm::uvec3>> replaced;
+  for (const uint32_t face : degenerate) {
+    const glm::uvec3 t = mesh.triangles[face];
+    const int k = edgeLengths(cleaned.mesh, t).longest;
+    const std::optional<Neighbour> across = neighbourOf(mesh, face, k);
+    if (!across || isTaken[across->face]) continue;
+    const uint32_t from = t[k], to = t[(k + 1) % 3], apex = t[(k + 2) % 3];
+    isTaken[across->face] = true;
+    replaced.emplace_back(face, glm::uvec3(from, across->apex, apex));
+    replaced.emplace_back(across->face, glm::uvec3(across->apex, to, apex));
+    ++cleaned.count;
+  }
+  std::vector<bool> isFlipped(cleaned.given.size());
+  for (const auto& [face, corners] : replaced) {
+    cleaned.mesh.triangles[face] = corners;
+    isFlipped[face] = true;
+  }
+  if (!replaced.empty()) leaveOutFlaps(cleaned, isFlipped);
+  return !replaced.empty();
+}
+
+}  // namespace
+
+CleanedFaces cleanFaces(const Model& mesh) {
+  constexpr int kMostRounds = 16;  // A round takes one of several degenerate faces in a row.
+  CleanedFaces cleaned{.mesh = weldedCopy(mesh)};
+  for (uint32_t f = 0; f < cleaned.mesh.triangles.size(); ++f) cleaned.given.push_back(f);
+  leaveOutFlat(cleaned);
+  leaveOutRepeated(cleaned);
+  for (int round = 0; round < kMostRounds; ++round) {
+    const std::vector<uint32_t> degenerate = degenerateFaces(Model(cleaned.mesh));
+    if (degenerate.empty()) break;
+    if (!weldShortEdges(cleaned, degenerate) && !flipLongEdges(cleaned, degenerate)) break;
+  }
+  removeUnusedVertices(cleaned.mesh);
+  return cleaned;
+}
+
+}  // namespace raymap

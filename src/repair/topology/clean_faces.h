@@ -1,0 +1,25 @@
+#pragma once
+
+#include <raymap/mesh.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "mesh/model.h"
+
+namespace raymap {
+
+/// A mesh without its degenerate and repeated faces.
+struct CleanedFaces {
+  Mesh mesh = {};                    ///< Welded. Sound faces keep their corners and their order.
+  std::vector<uint32_t> given = {};  ///< Index of each face in the given mesh.
+  size_t count = 0;                  ///< Number of faces that were removed or replaced with a neighbour.
+};
+
+/// Leaves out faces with a repeated corner, and repeated ones that close nothing. Welds the ends of edges
+/// shorter than 1e-6 of the longest edge of a degenerate face. Flips the longest edge of the other degenerate
+/// faces, which moves no surface by more than their height, unless that leaves a degenerate face.
+CleanedFaces cleanFaces(const Model& mesh);
+
+}  // namespace raymap
