@@ -10,12 +10,6 @@ namespace raymap::vulkan {
 
 namespace {
 
-/// Returns whether an instruction ends the part of a block into which others may be inserted.
-bool endsBlock(uint32_t op, uint32_t before) {
-  const auto isMerge = [](uint32_t o) { return o == OpLoopMerge || o == OpSelectionMerge; };
-  return isMerge(op) || (op >= OpBranch && op <= OpUnreachable && !isMerge(before));
-}
-
 /// Work of a block of instructions, each time that it runs.
 struct Work {
   uint32_t operations = 0, bytesRead = 0, bytesWritten = 0, rounds = 0;

@@ -35,6 +35,11 @@ bool hasResult(uint32_t op) {
   }
 }
 
+bool endsBlock(uint32_t op, uint32_t before) {
+  const auto isMerge = [](uint32_t o) { return o == OpLoopMerge || o == OpSelectionMerge; };
+  return isMerge(op) || (op >= OpBranch && op <= OpUnreachable && !isMerge(before));
+}
+
 Types::Types(Words code) {
   forEachInstruction(code, [this](Words instruction) { add(instruction); });
 }
@@ -162,8 +167,7 @@ uint32_t SpirvEditor::typeId(Op op, std::initializer_list<uint32_t> operands) {
   key.insert(key.end(), operands);
   const auto [at, isNew] = made_.try_emplace(key, bound_);
   if (!isNew) return at->second;
-  declarations_.insert(declarations_.end(),
-                       {static_cast<uint32_t>(operands.size() + 2) << 16 | op, newId()});
+  declarations_.insert(declarations_.end(), {static_cast<uint32_t>(operands.size() + 2) << 16 | op, newId()});
   declarations_.insert(declarations_.end(), operands);
   return at->second;
 }

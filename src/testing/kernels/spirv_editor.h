@@ -36,6 +36,8 @@ enum Op : uint32_t {
   OpVariable = 59,
   OpLoad = 61,
   OpStore = 62,
+  OpCopyMemory = 63,
+  OpCopyMemorySized = 64,
   OpAccessChain = 65,
   OpInBoundsAccessChain = 66,
   OpPtrAccessChain = 67,
@@ -89,6 +91,9 @@ constexpr uint32_t kCapabilityInt64 = 11, kCapabilityGroups = 61, kCapabilityGro
 
 /// Returns whether an instruction of a function has a type and a result.
 bool hasResult(uint32_t op);
+
+/// Returns whether an instruction ends the part of a block into which others may be inserted.
+bool endsBlock(uint32_t op, uint32_t before);
 
 inline bool isAtomic(uint32_t op) {
   return op >= OpAtomicLoad && op <= OpAtomicXor;
@@ -160,9 +165,9 @@ class SpirvEditor {
   Words code_;
   Types types_;
   uint32_t bound_, main_ = 0, function_ = 0, uint_, ulong_;
-  std::set<uint32_t> capabilities_;                                // That the module lacks.
-  std::map<std::vector<uint32_t>, uint32_t> made_;                 // Types and constants.
-  std::map<uint32_t, uint32_t> builtIns_;                          // Variables.
+  std::set<uint32_t> capabilities_;                 // That the module lacks.
+  std::map<std::vector<uint32_t>, uint32_t> made_;  // Types and constants.
+  std::map<uint32_t, uint32_t> builtIns_;           // Variables.
   std::vector<uint32_t> interface_, annotations_, declarations_, body_;
 };
 
