@@ -6,9 +6,11 @@
 #include <mutex>
 #include <stdexcept>
 
+#include "testing/kernels/races.h"
 #include "testing/kernels/shader_names.h"
 #include "testing/kernels/vulkan_entry.h"
 #include "vulkan/device/command_buffer.h"
+#include "vulkan/device/spirv.h"
 
 namespace raymap::vulkan {
 
@@ -21,6 +23,7 @@ struct LogEntry {
   uint32_t unused;
 };
 constexpr uint32_t kLogEntries = 8192;
+constexpr uint32_t kMostAccesses = 1U << 25;  // Of a submission.
 
 struct PipelineInfo {
   std::string name;
@@ -38,12 +41,16 @@ struct WorkCounter::State {
   VkDevice device = VK_NULL_HANDLE;
   VkFence lastFence = VK_NULL_HANDLE;  // Of the last submission, until its work is known.
   size_t submitted = 0;                // Number of commands until then.
+  size_t harvested = 0;                // Number of commands whose races are known.
   size_t stampedThen = 0;              // Number of queries until then.
   std::mutex mutex;                    // Kernels may be made on several threads.
   std::map<VkShaderModule, std::string> modules;
   std::map<VkPipeline, PipelineInfo> pipelines;
   std::map<VkBuffer, VkDeviceSize> sizes;
   std::map<VkDeviceAddress, std::pair<VkDeviceSize, VkBuffer>> addresses;
+  std::map<std::string, std::span<const uint32_t>> replaced;  // Code, by the shader's name.
+  const Guards* guards = nullptr;
+  Races races;
   std::vector<CountedCommand> commands;
   std::vector<size_t> pending;  // Dispatches by index in the log, as indices of commands.
   PipelineInfo bound;
@@ -52,21 +59,27 @@ struct WorkCounter::State {
   std::string stage;
   uint32_t step = 0, submission = 0;
 
-  void add(const std::string& name, uint64_t groups, uint32_t groupSize, const WorkCounters& work) {
+  void add(const std::string& name, uint64_t groups, uint32_t groupSize, const WorkCounters& work,
+           std::vector<TouchedRange> ranges = {}) {
     commands.push_back({.name = name,
                         .stage = stage,
                         .step = step,
                         .submission = submission,
                         .groups = groups,
                         .groupSize = groupSize,
+                        .ranges = std::move(ranges),
                         .work = work});
   }
+  TouchedRange range(VkBuffer buffer, VkDeviceSize offset, VkDeviceSize bytes, Access::Kind kind) const;
+  std::string placeOf(const CountedCommand& command, const Access& access) const;
+  std::span<const uint32_t> codeOf(const std::string& name) const;
   uint64_t touchableBytes() const;
   void stamp(VkCommandBuffer buffer);
   void dropUnsubmitted();
   void harvest();
   void harvestWork();
   void harvestTimes();
+  void harvestRaces();
 };
 
 /// Sums the sizes of the buffers from the pointers on, each buffer once.
@@ -104,6 +117,7 @@ void WorkCounter::State::dropUnsubmitted() {
 void WorkCounter::State::harvest() {
   if (measured == Measured::Time) harvestTimes();
   harvestWork();
+  if (measured == Measured::Races) harvestRaces();
   lastFence = VK_NULL_HANDLE;
   ++submission;
 }
@@ -131,7 +145,63 @@ void WorkCounter::State::harvestWork() {
     const VkDispatchIndirectCommand& groups = entries[i].groups;
     command.groups = uint64_t{groups.x} * groups.y * groups.z;
   }
+  if (measured != Measured::Races) pending.clear();
+}
+
+/// Finds the races of a completed submission. The dispatches' logs lie one behind the other.
+void WorkCounter::State::harvestRaces() {
+  const std::span<std::byte> memory = counters.mapped<std::byte>();
+  const auto* const entries = reinterpret_cast<const Access*>(memory.data() + kAccessHeader);
+  std::vector<LoggedCommand> logged(commands.size() - harvested);
+  for (size_t i = 0; i < logged.size(); ++i) logged[i].command = &commands[harvested + i];
+  uint64_t begin = 0;
+  for (const size_t p : pending) {
+    const uint64_t end = commands[p].work.operations;
+    if (end > kMostAccesses) {
+      races["log"] =
+          commands[p].name + ": with it, there are more accesses than the log holds: " + std::to_string(end);
+      break;
+    }
+    logged[p - harvested].accesses = {entries + begin, end - begin};
+    begin = end;
+  }
+  findRaces(
+      logged, [this](const CountedCommand& c, const Access& a) { return placeOf(c, a); }, races);
+  std::fill_n(memory.begin(), sizeof(uint64_t), std::byte{});
+  harvested = commands.size();
   pending.clear();
+}
+
+TouchedRange WorkCounter::State::range(VkBuffer buffer, VkDeviceSize offset, VkDeviceSize bytes,
+                                       Access::Kind kind) const {
+  for (const auto& [address, known] : addresses)
+    if (known.second == buffer) return {address + offset, bytes, kind};
+  return {0, 0, kind};
+}
+
+std::span<const uint32_t> WorkCounter::State::codeOf(const std::string& name) const {
+  if (const auto found = replaced.find(name); found != replaced.end()) return found->second;
+  const auto found = std::ranges::find(shaders::kAll, name, &Shader::name);
+  return found == std::end(shaders::kAll) ? std::span<const uint32_t>() : found->code;
+}
+
+/// Returns the name of a buffer or of a shared variable, and the offset in it.
+std::string WorkCounter::State::placeOf(const CountedCommand& command, const Access& access) const {
+  constexpr uint32_t kOpName = 5;
+  const uint64_t place = access.place();
+  if (access.isShared()) {
+    std::string name = "shared memory";
+    forEachInstruction(codeOf(command.name), [&](std::span<const uint32_t> words) {
+      if (opOf(words) == kOpName && words[1] == place >> 32)
+        name = "shared " + std::string(reinterpret_cast<const char*>(words.data() + 2));
+    });
+    return name + " + " + std::to_string(uint32_t(place));
+  }
+  const auto above = addresses.upper_bound(place);
+  if (above == addresses.begin()) return "unknown memory";
+  const auto& [address, buffer] = *std::prev(above);
+  const uint64_t offset = place - address - (guards ? Guards::kBytes : 0);
+  return "buffer '" + (guards ? guards->nameOf(buffer.second) : "") + "' + " + std::to_string(offset);
 }
 
 /// The entries of Vulkan's function table that are counted.
@@ -159,16 +229,20 @@ struct WorkCounter::Entries {
   static VKAPI_ATTR VkResult VKAPI_CALL makeModule(VkDevice device, const VkShaderModuleCreateInfo* info,
                                                    const VkAllocationCallbacks* allocator,
                                                    VkShaderModule* module) {
-    std::vector<uint32_t> code;
+    const std::string name = shaderName(*info);
+    std::span<const uint32_t> code(info->pCode, info->codeSize / sizeof(uint32_t));
+    if (const auto other = state->replaced.find(name); other != state->replaced.end()) code = other->second;
+    std::vector<uint32_t> changed;
+    if (state->measured == Measured::Work) changed = withCounters(code, state->counters.address());
+    if (state->measured == Measured::Races)
+      changed = withAccessLog(code, state->counters.address(), kMostAccesses);
+    if (!changed.empty()) code = changed;
     VkShaderModuleCreateInfo counting = *info;
-    if (state->measured == Measured::Work) {
-      code = withCounters({info->pCode, info->codeSize / sizeof(uint32_t)}, state->counters.address());
-      counting.codeSize = code.size() * sizeof(uint32_t);
-      counting.pCode = code.data();
-    }
+    counting.codeSize = code.size_bytes();
+    counting.pCode = code.data();
     const VkResult result = current->createModule.real()(device, &counting, allocator, module);
     const std::lock_guard lock(state->mutex);
-    if (result == VK_SUCCESS) state->modules[*module] = shaderName(*info);
+    if (result == VK_SUCCESS) state->modules[*module] = name;
     return result;
   }
 
@@ -242,26 +316,30 @@ struct WorkCounter::Entries {
     current->copy.real()(buffer, arguments, state->log.handle(), 1, &region);
     current->dispatchIndirect.real()(buffer, arguments, offset);
     logDispatch(buffer, 0);
+    state->commands.back().ranges = {
+        state->range(arguments, offset, sizeof(VkDispatchIndirectCommand), Access::Kind::Read)};
   }
 
   static VKAPI_ATTR void VKAPI_CALL fillBuffer(VkCommandBuffer buffer, VkBuffer to, VkDeviceSize offset,
                                                VkDeviceSize size, uint32_t value) {
     current->fill.real()(buffer, to, offset, size, value);
-    state->add("fill", 0, 0, {.bytesWritten = size});
+    state->add("fill", 0, 0, {.bytesWritten = size}, {state->range(to, offset, size, Access::Kind::Write)});
     state->stamp(buffer);
   }
 
   static VKAPI_ATTR void VKAPI_CALL updateBuffer(VkCommandBuffer buffer, VkBuffer to, VkDeviceSize offset,
                                                  VkDeviceSize size, const void* values) {
     current->update.real()(buffer, to, offset, size, values);
-    state->add("update", 0, 0, {.bytesWritten = size});
+    state->add("update", 0, 0, {.bytesWritten = size}, {state->range(to, offset, size, Access::Kind::Write)});
     state->stamp(buffer);
   }
 
   static VKAPI_ATTR void VKAPI_CALL copyBuffer(VkCommandBuffer buffer, VkBuffer from, VkBuffer to,
                                                uint32_t count, const VkBufferCopy* regions) {
     current->copy.real()(buffer, from, to, count, regions);
-    state->add("copy", 0, 0, {.bytesRead = regions->size, .bytesWritten = regions->size});
+    state->add("copy", 0, 0, {.bytesRead = regions->size, .bytesWritten = regions->size},
+               {state->range(from, regions->srcOffset, regions->size, Access::Kind::Read),
+                state->range(to, regions->dstOffset, regions->size, Access::Kind::Write)});
     state->stamp(buffer);
   }
 
@@ -301,11 +379,12 @@ struct WorkCounter::Entries {
   static VkDeviceSize logOffset() { return state->log.offset() + state->pending.size() * sizeof(LogEntry); }
 
   static void logDispatch(VkCommandBuffer buffer, uint64_t groups) {
-    if (state->measured == Measured::Work) logCounters(buffer);
+    if (state->measured != Measured::Time) logCounters(buffer);
     addDispatch(buffer, groups);
   }
 
-  /// Moves the counters of the dispatch before into the log, and clears them.
+  /// Moves the counters of the dispatch before into the log, and clears them. Of a log of accesses, that
+  /// moves the number of all so far.
   static void logCounters(VkCommandBuffer buffer) {
     if (state->pending.size() == kLogEntries) throw std::length_error("more dispatches than the log holds");
     const DeviceBuffer& counters = state->counters;
@@ -314,8 +393,10 @@ struct WorkCounter::Entries {
     wholeBarrier(buffer);
     current->copy.real()(buffer, counters.handle(), state->log.handle(), 1, &region);
     wholeBarrier(buffer);
-    current->fill.real()(buffer, counters.handle(), counters.offset(), counters.bytes(), 0);
-    wholeBarrier(buffer);
+    if (state->measured == Measured::Work) {
+      current->fill.real()(buffer, counters.handle(), counters.offset(), counters.bytes(), 0);
+      wholeBarrier(buffer);
+    }
     state->pending.push_back(state->commands.size());
   }
 
@@ -367,8 +448,13 @@ void WorkCounter::start(Device& device) {
     create(state_->stamps, device.handle(), vkCreateQueryPool, info, "making queries for times");
     return clear();
   }
-  state_->counters = DeviceBuffer(device, "work counters");
-  state_->counters.resize<WorkCounters>(1);
+  const bool isLog = state_->measured == Measured::Races;
+  state_->guards = device.guards();
+  state_->counters = DeviceBuffer(device, "work counters", isLog ? MemoryUse::ReadBack : MemoryUse::Device);
+  if (isLog)
+    state_->counters.resize<std::byte>(kAccessHeader + (kMostAccesses + kLostAccesses) * sizeof(Access));
+  else
+    state_->counters.resize<WorkCounters>(1);
   state_->log = DeviceBuffer(device, "log of the work counters", MemoryUse::ReadBack);
   state_->log.resize<LogEntry>(kLogEntries);
   CommandBuffer own(device);
@@ -383,21 +469,32 @@ void WorkCounter::stop() {
   state_->log.release();
 }
 
+void WorkCounter::replace(const Shader& shader) {
+  state_->replaced[std::string(shader.name)] = shader.code;
+}
+
 void WorkCounter::setStage(const std::string& stage) {
   state_->stage = stage;
 }
 
 void WorkCounter::clear() {
   state_->commands.clear();
+  state_->races.clear();
   state_->pending.clear();
   state_->stamped.clear();
-  state_->submitted = state_->stampedThen = 0;
+  state_->harvested = state_->submitted = state_->stampedThen = 0;
   state_->lastFence = VK_NULL_HANDLE;
   state_->step = state_->submission = 0;
 }
 
 const std::vector<CountedCommand>& WorkCounter::commands() const {
   return state_->commands;
+}
+
+std::vector<std::string> WorkCounter::races() const {
+  std::vector<std::string> all;
+  for (const auto& [key, race] : state_->races) all.push_back(race);
+  return all;
 }
 
 }  // namespace raymap::vulkan

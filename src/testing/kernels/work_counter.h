@@ -4,10 +4,18 @@
 #include <string>
 #include <vector>
 
+#include "testing/kernels/spirv_accesses.h"
 #include "testing/kernels/spirv_counters.h"
 #include "vulkan/device/device.h"
+#include "vulkan/device/shader.h"
 
 namespace raymap::vulkan {
+
+/// Memory that a command itself reads or writes, by its address.
+struct TouchedRange {
+  uint64_t address, bytes;
+  Access::Kind kind;
+};
 
 /// A command that the product recorded, and the work of the device for it.
 struct CountedCommand {
@@ -19,6 +27,7 @@ struct CountedCommand {
   uint32_t groupSize = 0;
   uint64_t touchableBytes = 0;  ///< Sum of the sizes of the buffers that its push constants point into.
   bool isMore = false;          ///< Whether it is a further part of the dispatch before.
+  std::vector<TouchedRange> ranges{};  ///< Of a fill, update, copy, or of the numbers of groups.
   WorkCounters work{};
   double milliseconds = 0.0;  ///< From the end of the command before to its end; 0 unless times are measured.
 };
@@ -26,12 +35,13 @@ struct CountedCommand {
 /// Figures of a command besides those that the product records.
 enum class Measured {
   Work,  ///< The work of every dispatch. Kernels are changed to count it themselves, which makes them slower.
-  Time   ///< The time of every command, by the device's clock. Kernels stay as they are.
+  Time,  ///< The time of every command, by the device's clock. Kernels stay as they are.
+  Races  ///< The accesses to memory that nothing orders (findRaces). Kernels are changed to log accesses.
 };
 
 /// Measures what a device does: every command, barrier and submission that the product records, and the work
-/// or the time of each. The product runs as it is. Construct one before the `Device`, make all kernels while
-/// it lives; one at a time.
+/// or the time of each, or the races between them. The product runs as it is. Construct one before the
+/// `Device`, make all kernels while it lives; one at a time.
 class WorkCounter {
  public:
   explicit WorkCounter(Measured measured = Measured::Work);
@@ -44,12 +54,16 @@ class WorkCounter {
   /// Releases the memory; call it before the device is destroyed.
   void stop();
 
+  /// Takes other code for a shader of the library, for modules that are made from now on.
+  void replace(const Shader& shader);
   /// Names the stage of the commands recorded from now on.
   void setStage(const std::string& stage);
   /// Forgets the commands so far.
   void clear();
   /// Returns the commands of all submissions that have completed.
   const std::vector<CountedCommand>& commands() const;
+  /// Describes the races in all submissions that have completed.
+  std::vector<std::string> races() const;
 
   struct State;
 

@@ -23,6 +23,8 @@ class Guards {
 
   /// Fills a buffer's guards and watches them from now on. The device must be idle.
   void watch(VkBuffer buffer, const Guarded& guarded);
+  /// Returns the name of a buffer that is watched.
+  const std::string& nameOf(VkBuffer buffer) const { return guarded_.at(buffer).name; }
   void forget(VkBuffer buffer) { guarded_.erase(buffer); }
   /// Names the buffers with damaged guards and the places of the damage; empty if all are intact. The device
   /// must be idle.

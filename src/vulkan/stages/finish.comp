@@ -7,10 +7,11 @@
 void main() {
   const uint count = push.gridX * push.gridY * push.gridZ;
   const uint first = groupIndex() * kFinishedEach * gl_WorkGroupSize.x + gl_LocalInvocationID.x;
+  if (first >= count) return;
   const bool isSigned = uint64_t(push.winding) != 0;
   float distances[kFinishedEach], windings[kFinishedEach];
   [[unroll]] for (uint n = 0; n < kFinishedEach; ++n) {
-    const uint i = min(first + n * gl_WorkGroupSize.x, count - 1);
+    const uint own = first + n * gl_WorkGroupSize.x, i = own < count ? own : first;  // Others write theirs.
     distances[n] = push.distance.at[i];
     windings[n] = isSigned ? abs(push.winding.at[i]) : 0.0;
   }

@@ -8,14 +8,15 @@
 #include "vulkan/stages/winding_number.glsl"
 
 // Doubts of the group's samples, read by one invocation each. `settle` writes the numbers that they depend on, and all
-// invocations of a group must reach its barriers.
+// invocations of a group must reach its barriers. These order shared memory alone, so the same invocation writes.
 shared bool areDoubtful[kSamplesPerListed];
 
-void settle(uint index, uint mostTurns) {
+void settle(uint index, uint mostTurns, bool isOwn) {
   const uint row = index / push.gridX;
   const vec3 p = vec3(index % push.gridX, row % push.gridY, row / push.gridY);
   bool isSure = false;
-  float w = push.winding.at[index];
+  float w = 0;
+  if (isOwn) w = push.winding.at[index];
   for (uint look = 0; look < push.looks && !isSure; ++look) {
     const Winding found = windingNumber(p, kDistant[look], mostTurns);
     if (!found.isWhole) break;  // Keeps the last value.
@@ -24,7 +25,7 @@ void settle(uint index, uint mostTurns) {
   }
   // At the threshold itself, winding_rims.comp replaces it.
   if (push.rimsDecide != 0 && (!isSure || push.distance.at[index] <= kOnSurface)) w = push.threshold;
-  if (gl_LocalInvocationIndex == 0) push.winding.at[index] = w;
+  if (isOwn) push.winding.at[index] = w;
 }
 
 void main() {
@@ -39,5 +40,5 @@ void main() {
   barrier();
   const uint turnsOfEach = push.mostTurns / (isListed ? 1 : kSamplesPerListed);
   for (uint i = 0; i < samples; ++i)
-    if (areDoubtful[i]) settle(first + i, turnsOfEach * (i + 1));
+    if (areDoubtful[i]) settle(first + i, turnsOfEach * (i + 1), gl_LocalInvocationIndex == i);
 }

@@ -83,11 +83,12 @@ float windingNumber(ivec3 s) {
   return rounded(crossingsOf(s, 0) + shareOfRims(p + displacement, vec3(1, 0, 0), clearance));
 }
 
-void compute(uint place) {
+// All lanes of a subgroup compute the number; one writes it.
+void compute(uint place, bool writes) {
   const uvec3 dims = uvec3(rimDims(ivec3(push.gridX, push.gridY, push.gridZ), push.level));
   const uint row = place / dims.x;
   const float w = windingNumber(ivec3(place % dims.x, row % dims.y, row / dims.y) << int(push.level));
-  if (subgroupElect()) push.values.at[place] = w;
+  if (writes) push.values.at[place] = w;
 }
 
 bool isDoubtful(uint place) {
@@ -100,7 +101,7 @@ bool isDoubtful(uint place) {
 void main() {
   if (kIsListed != 0) {
     const uint i = groupIndex() * gl_NumSubgroups + gl_SubgroupID;
-    if (i < push.count) compute(push.computed.at[i]);
+    if (i < push.count) compute(push.computed.at[i], subgroupElect());
     return;
   }
   const uint place = groupIndex() * gl_WorkGroupSize.x + laneIndex();
@@ -108,6 +109,6 @@ void main() {
   while (subgroupBallotBitCount(doubtful) > 0) {
     const uint lane = subgroupBallotFindLSB(doubtful);
     doubtful[lane / 32] &= ~(1u << lane % 32);
-    compute(subgroupBroadcast(place, lane));
+    compute(subgroupBroadcast(place, lane), gl_SubgroupInvocationID == lane);  // It has read what it overwrites.
   }
 }
