@@ -19,7 +19,7 @@ namespace raymap::vulkan {
 namespace {
 /// Dispatches over the crowded samples. Each costs time even if it is empty. Grids of so many samples that a
 /// dispatch has more than kMostGroups fit on fast devices only.
-constexpr uint32_t kMostParts = 32;
+constexpr uint32_t kMostParts = 8;
 }  // namespace
 
 RefineStage::RefineStage(Device& device, ScratchMemory* scratch)
