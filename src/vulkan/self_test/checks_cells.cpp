@@ -116,7 +116,7 @@ void checkRefine(Subject& subject) {
   // All samples are crowded, which takes two dispatches.
   compareRefine(subject.cells,
                 onGrid(shapes::sphere(0.001, 2, glm::dvec3(0.51)),
-                       {.resolution = 31, .box = Box{glm::dvec3(0.0), glm::dvec3(1.0)}}),
+                       {.resolution = 33, .box = Box{glm::dvec3(0.0), glm::dvec3(1.0)}}),
                 0);
 }
 
