@@ -30,9 +30,7 @@ struct Edge {
     mesh.vertices.push_back(p);
     return uint32_t(mesh.vertices.size() - 1);
   }
-  glm::vec3 at(float share) const {
-    return mesh.vertices[a] + share * (mesh.vertices[b] - mesh.vertices[a]);
-  }
+  glm::vec3 at(float share) const { return mesh.vertices[a] + share * (mesh.vertices[b] - mesh.vertices[a]); }
 };
 
 void expectRight(const CleanedFaces& cleaned, double volume) {

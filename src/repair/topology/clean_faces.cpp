@@ -115,7 +115,8 @@ std::optional<Neighbour> neighbourOf(const Model& mesh, uint32_t face, int k) {
   return {};
 }
 
-/// Leaves out faces that a flip has laid on others which face the other way: the flipped edge was there already.
+/// Leaves out faces that a flip has laid on others which face the other way: the flipped edge was there
+/// already.
 void leaveOutFlaps(CleanedFaces& cleaned, const std::vector<bool>& isFlipped) {
   const DoubleSidedFaces found = findDoubleSidedFaces(PackedMesh(cleaned.mesh));
   std::vector<bool> isFlap, isLeftOut(cleaned.given.size());

@@ -19,7 +19,7 @@ namespace raymap::vulkan {
 namespace {
 /// Dispatches over the crowded samples. Each costs time even if it is empty. Grids of so many samples that a
 /// dispatch has more than kMostGroups fit on fast devices only.
-constexpr uint32_t kMostParts = 8;
+constexpr uint32_t kMostCrowdedDispatches = 8;
 }  // namespace
 
 RefineStage::RefineStage(Device& device, ScratchMemory* scratch)
@@ -40,7 +40,7 @@ void RefineStage::reserve(const glm::ivec3& dims, uint32_t triangles, std::span<
   const uint32_t samples = dims_.x * dims_.y * dims_.z;
   arguments_.reserve(
       {.most = samples,
-       .mostGroups = std::max(kMostGroups, static_cast<uint32_t>(ceilDiv(samples, kMostParts)))});
+       .mostGroups = std::max(kMostGroups, static_cast<uint32_t>(ceilDiv(samples, kMostCrowdedDispatches)))});
 }
 
 void RefineStage::record(Commands& commands, const DeviceMesh& mesh, const Fields& fields, int reach) {
