@@ -28,18 +28,18 @@ constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 /// Most points that are answered together, and points that a thread takes at a time.
 constexpr size_t kPointsAtOnce = size_t{1} << 19, kPointsPerTask = 4096;
 
-/// Points of a cell, and cells that a thread takes at a time.
-constexpr size_t kPointsPerCell = 32, kCellsPerTask = 64;
+/// Most points of a cell, cells that a thread takes at a time, and parts that cells are divided into.
+constexpr size_t kPointsPerCell = 8, kCellsPerTask = 64, kParts = 4;
 
-/// Most bodies that are not worth a choice of those near a cell.
-constexpr size_t kFewBodies = 8;
+/// With so few bodies, or points in a configuration, asking of all bounds takes no longer than a choice.
+constexpr size_t kFewBodies = 8, kFewPoints = 511;
 
 /// Bounds are lowered by this share of the body's diagonal and of the distance. Distances of a surface are
 /// within a fourth of that, and those of a field within a tenth.
 constexpr double kInexact = 4e-6;
 
-/// Lengths in a body's coordinates may be longer by this factor, as poses are rigid within 1e-5, and positions
-/// may be wrong by this share.
+/// Lengths in a body's coordinates may be longer by this factor, as poses are rigid within 1e-5, and
+/// positions may be wrong by this share.
 constexpr double kStretch = 1.0001, kRounding = 1e-14;
 
 /// Nothing is known of distances whose squares overflow.
@@ -177,7 +177,7 @@ struct Cell {
   const glm::dmat4* poses;            ///< Of all bodies.
   Box box = {};                       ///< Of its points. Points that are not finite count nowhere.
   double most = INFINITY;             ///< Largest distance that was found at its points so far.
-  std::vector<uint32_t> bodies = {};  ///< Those that may be nearer at one of them.
+  std::vector<uint32_t> bodies = {};  ///< Those that may be nearer at one of them, if there is a choice.
 };
 
 /// Returns the place of a point on a curve through a box, of 45 bits.
@@ -206,6 +206,7 @@ class SceneQuery {
         total_(perConfiguration_ * configurations.count) {
     for (uint32_t b = 0; b < bodies.size(); ++b)
       if (std::ranges::find(options.without, b) == options.without.end()) asked_.push_back(b);
+    isChosen_ = !options.distances && asked_.size() > kFewBodies && perConfiguration_ > kFewPoints;
     result.distance.resizeUninitialized(options.distance ? total_ : 0);
     result.body.resizeUninitialized(options.body ? total_ : 0);
     result.closest.resizeUninitialized(options.closest ? total_ : 0);
@@ -234,11 +235,10 @@ class SceneQuery {
     number_.resizeUninitialized(count);
     least_.resizeUninitialized(count);
     nearest_.resizeUninitialized(count);
-    hasCells_ = !options_.distances && asked_.size() > kFewBodies;
-    if (hasCells_) sort(count);
+    if (isChosen_) sort(count);
     parallelFor(count, kPointsPerTask, [&](size_t begin, size_t end) {
       for (size_t k = begin; k < end; ++k) {
-        number_[k] = hasCells_ ? uint32_t(keys_[k].low) : uint32_t(k);
+        number_[k] = isChosen_ ? uint32_t(keys_[k].low) : uint32_t(k);
         const size_t i = begin_ + number_[k];
         world_[k] = point(i);
         least_[k] = cpu::isFinite(world_[k]) ? options_.maxDistance : kNaN;
@@ -310,7 +310,7 @@ class SceneQuery {
   /// what was found.
   void visitPromising(Progress& progress) {
     for (const bool isFirst : {true, false}) {
-      if (hasCells_) chooseBodies(isFirst);
+      if (isChosen_) chooseBodies(isFirst);
       if (isFirst) findFirst();
       for (const uint32_t b : asked_) {
         visit(b, [&](const Cell& cell, size_t k) {
@@ -333,7 +333,7 @@ class SceneQuery {
         for (size_t k = cells_[c].begin; k < cells_[c].end; ++k) {
           first_[k] = kNoBody;
           double least = INFINITY;
-          for (const uint32_t b : hasCells_ ? cells_[c].bodies : asked_) {
+          for (const uint32_t b : isChosen_ ? cells_[c].bodies : asked_) {
             const double bound = lowerBound(cells_[c], k, b);
             if (bound < least) least = bound, first_[k] = b;
           }
@@ -371,10 +371,10 @@ class SceneQuery {
       cells_[begin].bodies = std::move(chosen);
       return;
     }
-    const size_t middle = (begin + end) / 2;
-    parallelFor(2, end - begin > kCellsPerTask ? 1 : 2, [&](size_t half, size_t halves) {
-      for (; half < halves; ++half)
-        choose(half == 0 ? begin : middle, half == 0 ? middle : end, chosen, isFirst);
+    const size_t count = end - begin, parts = std::min(count, kParts);
+    parallelFor(parts, count > kCellsPerTask ? 1 : parts, [&](size_t part, size_t last) {
+      for (; part < last; ++part)
+        choose(begin + part * count / parts, begin + (part + 1) * count / parts, chosen, isFirst);
     });
   }
 
@@ -390,11 +390,12 @@ class SceneQuery {
     const glm::dvec3 centre = box.centre();
     const double radius = kStretch * glm::length(glm::max(box.max - centre, centre - box.min));
     std::vector<double> bounds;
+    bounds.reserve(among.size());
     for (const uint32_t b : among) {
       const glm::dvec3 p = movedBack(cells_[begin].poses[b], centre);
-      const double reach = radius + kRounding * glm::length(p);
+      const double reach = radius + kRounding * (std::abs(p.x) + std::abs(p.y) + std::abs(p.z));
       bounds.push_back(bodies_[b].lowerBound(p, reach));
-      if (isFirst) most = std::min(most, bodies_[b].lowerBound(p, -reach));
+      if (isFirst) most = std::min(most, bounds.back() + 2.0 * reach);
     }
     std::vector<uint32_t> chosen;
     for (size_t i = 0; i < among.size(); ++i)
@@ -405,7 +406,7 @@ class SceneQuery {
   /// Returns the points that want a body, of the cells that may.
   template <class Predicate>
   std::vector<uint32_t> select(uint32_t b, Predicate&& isWanted) const {
-    const std::vector<uint32_t>& cells = hasCells_ ? cellsOf_[b] : allCells_;
+    const std::vector<uint32_t>& cells = isChosen_ ? cellsOf_[b] : allCells_;
     std::vector<std::vector<uint32_t>> parts((cells.size() + kCellsPerTask - 1) / kCellsPerTask);
     parallelFor(cells.size(), kCellsPerTask, [&](size_t begin, size_t end) {
       for (size_t i = begin; i < end; ++i) {
@@ -462,11 +463,12 @@ class SceneQuery {
   SceneResult& result_;
   size_t perConfiguration_, total_;
   std::vector<uint32_t> asked_;  // Bodies that are not left out.
+  bool isChosen_;                // Whether each cell chooses among them.
 
   // State of the points that are answered together. The first of them has number `begin_`.
   size_t begin_ = 0;
-  Buffer<SortKey> keys_;      // number of a point in the lower half, if they are sorted
-  Buffer<uint32_t> number_;   // of a point, from `begin_` on
+  Buffer<SortKey> keys_;     // place on the curve and number of a point, if there is a choice
+  Buffer<uint32_t> number_;  // of a point, from `begin_` on
   Buffer<glm::dvec3> world_;
   Buffer<double> least_;      // distance found so far
   Buffer<uint32_t> nearest_;  // body that has it
@@ -474,9 +476,8 @@ class SceneQuery {
   Buffer<glm::dvec3> inBody_;
   BodyAnswers answers_;
   std::vector<Cell> cells_;
-  bool hasCells_ = false;  // whether the cells' bodies are chosen
   std::vector<uint32_t> allCells_;
-  std::vector<std::vector<uint32_t>> cellsOf_;  // by body, if they are chosen
+  std::vector<std::vector<uint32_t>> cellsOf_;  // those that chose a body
 };
 
 std::string poseName(const std::string& body) {
