@@ -408,11 +408,11 @@ class SceneQuery {
   std::vector<uint32_t> select(uint32_t b, Predicate&& isWanted) const {
     const std::vector<uint32_t>& cells = isChosen_ ? cellsOf_[b] : allCells_;
     std::vector<std::vector<uint32_t>> parts((cells.size() + kCellsPerTask - 1) / kCellsPerTask);
-    parallelFor(cells.size(), kCellsPerTask, [&](size_t begin, size_t end) {
-      for (size_t i = begin; i < end; ++i) {
+    parallelFor(parts.size(), 1, [&](size_t part, size_t) {
+      for (size_t i = part * kCellsPerTask; i < std::min((part + 1) * kCellsPerTask, cells.size()); ++i) {
         const Cell& cell = cells_[cells[i]];
         for (uint32_t k = cell.begin; k < cell.end; ++k)
-          if (isWanted(cell, k)) parts[begin / kCellsPerTask].push_back(k);
+          if (isWanted(cell, k)) parts[part].push_back(k);
       }
     });
     return joined(parts);
