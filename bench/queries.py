@@ -238,3 +238,33 @@ def scene(links=20, points=200, configurations=1000, peer_configurations=20, tri
         truth = ours[1][:count]
         far = np.abs(found - truth)[truth > 0].max() if name == "FCL" else np.abs(found - truth).max()
         line(name, count, f"{cpu:.3f}", f"{wall:.3f}", f"{cpu / ours[0]:.1f}", f"{far:.0e}")
+
+
+def scattered_poses(random, bodies, reach):
+    """Returns random rigid poses with translations of up to `reach` along each axis."""
+    poses = np.tile(np.eye(4), (bodies, 1, 1))
+    turns = np.linalg.qr(random.normal(size=(bodies, 3, 3)))[0]
+    poses[:, :3, :3] = turns * np.sign(np.linalg.det(turns))[:, None, None]
+    poses[:, :3, 3] = random.uniform(-reach, reach, (bodies, 3))
+    return poses
+
+
+@table
+def bodies(counts=(1, 2, 8, 20, 100, 800), points=100000, triangles=1280, rounds=5):
+    """CPU microseconds a point of balls in random poses in a cube, beside one surface of them all: docs/performance.md."""
+    import raymap
+    import trimesh
+
+    head("bodies", "scene", "one surface")
+    for count in counts:
+        random, reach = np.random.default_rng(count), 1.2 * count ** (1 / 3)
+        levels = round(np.log(triangles / 20) / np.log(4))
+        balls = [trimesh.creation.icosphere(levels, radius) for radius in random.uniform(0.5, 1, count)]
+        poses, where = scattered_poses(random, count, reach), random.uniform(-reach - 1, reach + 1, (points, 3))
+        made = raymap.Scene({str(k): raymap.Surface(ball.vertices, ball.faces) for k, ball in enumerate(balls)})
+        merged = trimesh.util.concatenate([ball.copy().apply_transform(pose) for ball, pose in zip(balls, poses, strict=True)])
+        surface = raymap.Surface(merged.vertices, merged.faces)
+        costs = []
+        for query in (lambda: made.signed_distance(where, poses, threads=1), lambda: surface.signed_distance(where, threads=1)):
+            costs.append(1e6 * statistics.median(measured(query)[1]["cpu"] for _ in range(rounds)) / points)
+        line(count, *(f"{cost:.2f}" for cost in costs))

@@ -4,13 +4,16 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <utility>
 #include <variant>
 
 #include "api/rigid_pose.h"
+#include "base/morton.h"
 #include "base/parallel.h"
 #include "base/progress.h"
 #include "base/require.h"
+#include "base/sort_keys.h"
 #include "base/text.h"
 #include "cpu/points/point_cells.h"
 #include "field/field_sampler.h"
@@ -25,9 +28,19 @@ constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 /// Most points that are answered together, and points that a thread takes at a time.
 constexpr size_t kPointsAtOnce = size_t{1} << 19, kPointsPerTask = 4096;
 
+/// Most points of a cell, cells that a thread takes at a time, and parts that cells are divided into.
+constexpr size_t kPointsPerCell = 8, kCellsPerTask = 64, kParts = 4;
+
+/// With so few bodies, or points in a configuration, asking of all bounds takes no longer than a choice.
+constexpr size_t kFewBodies = 8, kFewPoints = 511;
+
 /// Bounds are lowered by this share of the body's diagonal and of the distance. Distances of a surface are
 /// within a fourth of that, and those of a field within a tenth.
 constexpr double kInexact = 4e-6;
+
+/// Lengths in a body's coordinates may be longer by this factor, as poses are rigid within 1e-5, and
+/// positions may be wrong by this share.
+constexpr double kStretch = 1.0001, kRounding = 1e-14;
 
 /// Nothing is known of distances whose squares overflow.
 constexpr double kFarthestBound = 1e150;
@@ -50,7 +63,7 @@ double lowered(double bound, double slack) {
   return bound < kFarthestBound ? bound - kInexact * std::abs(bound) - slack : -INFINITY;
 }
 
-// Bodies, each with a lower bound on its signed distance at a point of its coordinates.
+// Bodies, each with a lower bound on its signed distance within a radius about a point of its coordinates.
 
 struct SurfaceShape {
   SurfaceShape(std::shared_ptr<const Surface> given, double reach)
@@ -60,9 +73,9 @@ struct SurfaceShape {
         insideReach(reach) {}
 
   /// Faces without boundary edges lie between each point inside and all sides of the bounds.
-  double lowerBound(const glm::dvec3& p) const {
+  double lowerBound(const glm::dvec3& p, double radius) const {
     const glm::dvec3 past = beyond(bounds, p);
-    const double toBounds = glm::length(glm::max(past, 0.0)) + std::min(largest(past), 0.0);
+    const double toBounds = glm::length(glm::max(past, 0.0)) + std::min(largest(past), 0.0) - radius;
     return insideReach > 0.0 && toBounds <= insideReach ? -INFINITY : lowered(toBounds, slack);
   }
 
@@ -81,9 +94,9 @@ struct FieldShape {
                   std::ranges::none_of(field->distance, [](float d) { return std::isnan(d); })) {}
 
   /// Beyond its samples, a field is at least as far as the bounds of its surface.
-  double lowerBound(const glm::dvec3& p) const {
-    if (!isBounded || !(largest(beyond(samples, p)) > slack)) return -INFINITY;
-    const double toBounds = glm::length(glm::max(beyond(field->surfaceBounds, p), 0.0));
+  double lowerBound(const glm::dvec3& p, double radius) const {
+    if (!isBounded || !(largest(beyond(samples, p)) - radius > slack)) return -INFINITY;
+    const double toBounds = glm::length(glm::max(beyond(field->surfaceBounds, p), 0.0)) - radius;
     return toBounds > slack ? lowered(toBounds, slack) : -INFINITY;
   }
 
@@ -99,8 +112,8 @@ struct Body {
   std::string name;
   Shape shape;
 
-  double lowerBound(const glm::dvec3& p) const {
-    return std::visit([&](const auto& of) { return of.lowerBound(p); }, shape);
+  double lowerBound(const glm::dvec3& p, double radius = 0.0) const {
+    return std::visit([&](const auto& of) { return of.lowerBound(p, radius); }, shape);
   }
 };
 
@@ -158,6 +171,24 @@ Answer answerAt(const FieldShape&, const BodyAnswers& answers, size_t i, const g
   return answer;
 }
 
+/// Points of one configuration that are asked about together.
+struct Cell {
+  uint32_t begin, end;
+  const glm::dmat4* poses;            ///< Of all bodies.
+  Box box = {};                       ///< Of its points. Points that are not finite count nowhere.
+  double most = INFINITY;             ///< Largest distance that was found at its points so far.
+  std::vector<uint32_t> bodies = {};  ///< Those that may be nearer at one of them, if there is a choice.
+};
+
+/// Returns the place of a point on a curve through a box, of 45 bits.
+uint64_t placeOf(const Box& box, const glm::dvec3& p) {
+  constexpr double kPlaces = 1 << 15;
+  const glm::dvec3 place = (p - box.min) * (kPlaces / largest(box.size()));
+  // A place that is NaN becomes 0.
+  const glm::uvec3 of(glm::min(glm::max(glm::dvec3(0.0), place), kPlaces - 1.0));
+  return mortonCode(of.x, of.y, of.z);
+}
+
 /// A query of many points in one or more configurations. The points of one after the other are numbered
 /// through.
 class SceneQuery {
@@ -175,6 +206,7 @@ class SceneQuery {
         total_(perConfiguration_ * configurations.count) {
     for (uint32_t b = 0; b < bodies.size(); ++b)
       if (std::ranges::find(options.without, b) == options.without.end()) asked_.push_back(b);
+    isChosen_ = !options.distances && asked_.size() > kFewBodies && perConfiguration_ > kFewPoints;
     result.distance.resizeUninitialized(options.distance ? total_ : 0);
     result.body.resizeUninitialized(options.body ? total_ : 0);
     result.closest.resizeUninitialized(options.closest ? total_ : 0);
@@ -193,18 +225,22 @@ class SceneQuery {
   }
 
  private:
-  const glm::dmat4& pose(size_t k, size_t body) const {
-    return configurations_.poses[(begin_ + k) / perConfiguration_ * bodies_.size() + body];
+  size_t configuration(size_t k) const { return (begin_ + number_[k]) / perConfiguration_; }
+  const glm::dmat4* poses(size_t configuration) const {
+    return &configurations_.poses[configuration * bodies_.size()];
   }
 
   void load(size_t count) {
     world_.resizeUninitialized(count);
+    number_.resizeUninitialized(count);
     least_.resizeUninitialized(count);
     nearest_.resizeUninitialized(count);
+    if (isChosen_) sort(count);
     parallelFor(count, kPointsPerTask, [&](size_t begin, size_t end) {
       for (size_t k = begin; k < end; ++k) {
-        const size_t i = begin_ + k;
-        world_[k] = pointAt(points_, configurations_.hasOwnPoints ? i : i % perConfiguration_);
+        number_[k] = isChosen_ ? uint32_t(keys_[k].low) : uint32_t(k);
+        const size_t i = begin_ + number_[k];
+        world_[k] = point(i);
         least_[k] = cpu::isFinite(world_[k]) ? options_.maxDistance : kNaN;
         nearest_[k] = kNoBody;
         if (options_.triangle) result_.triangle[i] = kNoTriangle;
@@ -214,21 +250,58 @@ class SceneQuery {
           result_.distances[i * bodies_.size() + b] = kNaN;
       }
     });
+    if (!bodies_.empty()) makeCells(count);
+  }
+
+  glm::dvec3 point(size_t i) const {
+    return pointAt(points_, configurations_.hasOwnPoints ? i : i % perConfiguration_);
+  }
+
+  /// Sorts the points of each configuration along a curve.
+  void sort(size_t count) {
+    Box box;
+    for (size_t i = begin_; i < begin_ + count; ++i) include(box, point(i));
+    sortKeys(
+        count,
+        [&](size_t begin, size_t end, SortKey* to) {
+          for (size_t k = begin; k < end; ++k) {
+            const size_t i = begin_ + k, ofBlock = i / perConfiguration_ - begin_ / perConfiguration_;
+            *to++ = {.low = k, .high = ofBlock << 45 | placeOf(box, point(i))};
+          }
+        },
+        keys_);
+  }
+
+  static void include(Box& box, const glm::dvec3& p) {
+    if (!cpu::isFinite(p)) return;
+    box.min = glm::min(box.min, p);
+    box.max = glm::max(box.max, p);
+  }
+
+  void makeCells(size_t count) {
+    cells_.clear();
+    for (size_t begin = 0, end; begin < count; begin = end) {
+      const size_t c = configuration(begin), last = std::min((c + 1) * perConfiguration_ - begin_, count);
+      end = std::min(begin + kPointsPerCell, last);
+      cells_.push_back({.begin = uint32_t(begin), .end = uint32_t(end), .poses = poses(c)});
+    }
+    allCells_.resize(cells_.size());
+    std::iota(allCells_.begin(), allCells_.end(), 0u);
   }
 
   void answerLoaded(Progress& progress) {
     if (options_.distances) {
       for (const uint32_t b : asked_) {
-        visit(b, [&](size_t k) { return cpu::isFinite(world_[k]); });
+        visit(b, [&](const Cell&, size_t k) { return cpu::isFinite(world_[k]); });
         progress.report(double(b + 1) / double(bodies_.size()));
       }
-    } else {
+    } else if (!asked_.empty()) {
       visitPromising(progress);
     }
     parallelFor(world_.size(), kPointsPerTask, [&](size_t begin, size_t end) {
       for (size_t k = begin; k < end; ++k) {
-        if (options_.distance) result_.distance[begin_ + k] = least_[k];
-        if (options_.body) result_.body[begin_ + k] = nearest_[k];
+        if (options_.distance) result_.distance[begin_ + number_[k]] = least_[k];
+        if (options_.body) result_.body[begin_ + number_[k]] = nearest_[k];
       }
     });
   }
@@ -236,41 +309,124 @@ class SceneQuery {
   /// Asks of each point the body of the least lower bound, and then the others whose bounds are not above
   /// what was found.
   void visitPromising(Progress& progress) {
-    findFirst();
-    for (const bool isFirst : {true, false})
+    for (const bool isFirst : {true, false}) {
+      if (isChosen_) chooseBodies(isFirst);
+      if (isFirst) findFirst();
       for (const uint32_t b : asked_) {
-        visit(b, [&](size_t k) { return (first_[k] == b) == isFirst && lowerBound(k, b) <= least_[k]; });
+        visit(b, [&](const Cell& cell, size_t k) {
+          return (first_[k] == b) == isFirst && lowerBound(cell, k, b) <= least_[k];
+        });
         progress.report((double(b + 1) / double(bodies_.size()) + (isFirst ? 0.0 : 1.0)) / 2.0);
       }
+    }
   }
 
-  double lowerBound(size_t k, size_t body) const {
-    return bodies_[body].lowerBound(movedBack(pose(k, body), world_[k]));
+  double lowerBound(const Cell& cell, size_t k, size_t body) const {
+    return bodies_[body].lowerBound(movedBack(cell.poses[body], world_[k]));
   }
 
   /// Finds the body of the least lower bound for each point.
   void findFirst() {
     first_.resizeUninitialized(world_.size());
-    parallelFor(world_.size(), kPointsPerTask, [&](size_t begin, size_t end) {
-      for (size_t k = begin; k < end; ++k) {
-        first_[k] = kNoBody;
-        double least = INFINITY;
-        for (const uint32_t b : asked_) {
-          const double bound = lowerBound(k, b);
-          if (bound < least) least = bound, first_[k] = b;
+    parallelFor(cells_.size(), kCellsPerTask, [&](size_t begin, size_t end) {
+      for (size_t c = begin; c < end; ++c)
+        for (size_t k = cells_[c].begin; k < cells_[c].end; ++k) {
+          first_[k] = kNoBody;
+          double least = INFINITY;
+          for (const uint32_t b : isChosen_ ? cells_[c].bodies : asked_) {
+            const double bound = lowerBound(cells_[c], k, b);
+            if (bound < least) least = bound, first_[k] = b;
+          }
+        }
+    });
+  }
+
+  /// Chooses the bodies of each cell: those that may have the least lower bound at one of its points, or
+  /// else those whose bounds may not be above what was found.
+  void chooseBodies(bool isFirst) {
+    parallelFor(cells_.size(), kCellsPerTask, [&](size_t begin, size_t end) {
+      for (Cell& cell : std::span(cells_).subspan(begin, end - begin)) {
+        cell.bodies.clear();
+        cell.most = -INFINITY;
+        for (size_t k = cell.begin; k < cell.end; ++k) {
+          include(cell.box, world_[k]);
+          cell.most = std::max(cell.most, least_[k]);  // NaN counts nowhere.
         }
       }
     });
+    for (size_t begin = 0, end; begin < cells_.size(); begin = end) {
+      for (end = begin + 1; end < cells_.size() && cells_[end].poses == cells_[begin].poses;) ++end;
+      choose(begin, end, asked_, isFirst);
+    }
+    cellsOf_.resize(bodies_.size());
+    for (std::vector<uint32_t>& cells : cellsOf_) cells.clear();
+    for (const uint32_t c : allCells_)
+      for (const uint32_t b : cells_[c].bodies) cellsOf_[b].push_back(c);
+  }
+
+  /// Chooses the bodies of some cells among these.
+  void choose(size_t begin, size_t end, const std::vector<uint32_t>& among, bool isFirst) {
+    std::vector<uint32_t> chosen = nearTo(begin, end, among, isFirst);
+    if (end - begin == 1 || chosen.empty()) {
+      cells_[begin].bodies = std::move(chosen);
+      return;
+    }
+    const size_t count = end - begin, parts = std::min(count, kParts);
+    parallelFor(parts, count > kCellsPerTask ? 1 : parts, [&](size_t part, size_t last) {
+      for (; part < last; ++part)
+        choose(begin + part * count / parts, begin + (part + 1) * count / parts, chosen, isFirst);
+    });
+  }
+
+  std::vector<uint32_t> nearTo(size_t begin, size_t end, const std::vector<uint32_t>& among,
+                               bool isFirst) const {
+    Box box;
+    double most = -INFINITY;
+    for (size_t c = begin; c < end; ++c) {
+      box = {glm::min(box.min, cells_[c].box.min), glm::max(box.max, cells_[c].box.max)};
+      most = std::max(most, cells_[c].most);
+    }
+    if (box.isEmpty()) return {};
+    const glm::dvec3 centre = box.centre();
+    const double radius = kStretch * glm::length(glm::max(box.max - centre, centre - box.min));
+    std::vector<double> bounds;
+    bounds.reserve(among.size());
+    for (const uint32_t b : among) {
+      const glm::dvec3 p = movedBack(cells_[begin].poses[b], centre);
+      const double reach = radius + kRounding * (std::abs(p.x) + std::abs(p.y) + std::abs(p.z));
+      bounds.push_back(bodies_[b].lowerBound(p, reach));
+      if (isFirst) most = std::min(most, bounds.back() + 2.0 * reach);
+    }
+    std::vector<uint32_t> chosen;
+    for (size_t i = 0; i < among.size(); ++i)
+      if (bounds[i] <= most) chosen.push_back(among[i]);
+    return chosen;
+  }
+
+  /// Returns the points that want a body, of the cells that may.
+  template <class Predicate>
+  std::vector<uint32_t> select(uint32_t b, Predicate&& isWanted) const {
+    const std::vector<uint32_t>& cells = isChosen_ ? cellsOf_[b] : allCells_;
+    std::vector<std::vector<uint32_t>> parts((cells.size() + kCellsPerTask - 1) / kCellsPerTask);
+    parallelFor(parts.size(), 1, [&](size_t part, size_t) {
+      for (size_t i = part * kCellsPerTask; i < std::min((part + 1) * kCellsPerTask, cells.size()); ++i) {
+        const Cell& cell = cells_[cells[i]];
+        for (uint32_t k = cell.begin; k < cell.end; ++k)
+          if (isWanted(cell, k)) parts[part].push_back(k);
+      }
+    });
+    return joined(parts);
   }
 
   /// Asks a body about the points that want it.
   template <class Predicate>
   void visit(uint32_t b, Predicate&& isWanted) {
-    const std::vector<uint32_t> wanted = parallelSelect(world_.size(), isWanted, kPointsPerTask);
+    const std::vector<uint32_t> wanted = select(b, isWanted);
     if (wanted.empty()) return;
+    const auto poseAt = [&](size_t k) -> const glm::dmat4& { return poses(configuration(k))[b]; };
     inBody_.resizeUninitialized(wanted.size());
     parallelFor(wanted.size(), kPointsPerTask, [&](size_t begin, size_t end) {
-      for (size_t i = begin; i < end; ++i) inBody_[i] = movedBack(pose(wanted[i], b), world_[wanted[i]]);
+      for (size_t i = begin; i < end; ++i) inBody_[i] = movedBack(poseAt(wanted[i]), world_[wanted[i]]);
     });
     std::visit(
         [&](const auto& shape) {
@@ -278,7 +434,7 @@ class SceneQuery {
           parallelFor(wanted.size(), kPointsPerTask, [&](size_t begin, size_t end) {
             for (size_t i = begin; i < end; ++i) {
               const size_t k = wanted[i];
-              take(k, b, answerAt(shape, answers_, i, pose(k, b), world_[k], options_));
+              take(k, b, answerAt(shape, answers_, i, poseAt(k), world_[k], options_));
             }
           });
         },
@@ -287,7 +443,7 @@ class SceneQuery {
 
   /// Takes a body's answer at a point, in whichever order the bodies come. NaN stays.
   void take(size_t k, uint32_t b, const Answer& answer) {
-    const size_t i = begin_ + k;
+    const size_t i = begin_ + number_[k];
     if (options_.distances) result_.distances[i * bodies_.size() + b] = answer.distance;
     const bool isKnown = !std::isnan(answer.distance),
                isNearer = answer.distance < least_[k] || (answer.distance == least_[k] && b < nearest_[k]),
@@ -307,15 +463,21 @@ class SceneQuery {
   SceneResult& result_;
   size_t perConfiguration_, total_;
   std::vector<uint32_t> asked_;  // Bodies that are not left out.
+  bool isChosen_;                // Whether each cell chooses among them.
 
   // State of the points that are answered together. The first of them has number `begin_`.
   size_t begin_ = 0;
+  Buffer<SortKey> keys_;     // place on the curve and number of a point, if there is a choice
+  Buffer<uint32_t> number_;  // of a point, from `begin_` on
   Buffer<glm::dvec3> world_;
   Buffer<double> least_;      // distance found so far
   Buffer<uint32_t> nearest_;  // body that has it
   Buffer<uint32_t> first_;    // body of the least lower bound
   Buffer<glm::dvec3> inBody_;
   BodyAnswers answers_;
+  std::vector<Cell> cells_;
+  std::vector<uint32_t> allCells_;
+  std::vector<std::vector<uint32_t>> cellsOf_;  // those that chose a body
 };
 
 std::string poseName(const std::string& body) {

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "any_threads.h"
+#include "api/rigid_pose.h"
 #include "broken_meshes.h"
 #include "contains.h"
 #include "error_code.h"
@@ -151,6 +152,117 @@ TEST(Scene, LeavingFieldsOutChangesNoBit) {
     scene.add("sparse", std::make_shared<const Field>(toSparse(*fields[0])), poses[fields.size()]);
     scene.add("surface", prepared(box), poses[fields.size() + 1]);
     expectSameIfAllAreAsked(scene, seed);
+  }
+}
+
+constexpr size_t kMany = 60;
+
+/// Surfaces and fields in turn, of which every fourth is twice at the same place. A field without the bounds
+/// of its surface is near everywhere.
+Scene manyBodies(bool areAllBounded, std::span<const glm::dmat4> poses) {
+  const std::vector<std::shared_ptr<const Surface>>& surfaces = variousSurfaces();
+  const auto field = std::make_shared<const Field>(sceneField(shapes::sphere(0.8, 2)));
+  Field unbounded = sceneField(shapes::sphere(0.5, 1));
+  unbounded.surfaceBounds = {};
+  Scene scene;
+  for (size_t b = 0; b < kMany; ++b) {
+    const size_t place = b % 4 == 3 ? b - 1 : b;
+    if (place % 5 == 0)
+      scene.add(std::to_string(b), field, poses[place]);
+    else
+      scene.add(std::to_string(b), surfaces[place % surfaces.size()], poses[place]);
+  }
+  if (!areAllBounded)
+    scene.add("unbounded", std::make_shared<const Field>(std::move(unbounded)), poses[kMany]);
+  return scene;
+}
+
+/// Poses about many places.
+std::vector<glm::dmat4> spreadPoses(size_t count, unsigned seed) {
+  std::mt19937 random(seed);
+  std::vector<glm::dmat4> poses(count);
+  for (glm::dmat4& pose : poses) pose = randomPose(random, 6.0);
+  return poses;
+}
+
+/// Points among the bodies, far from them, at the same place and nowhere.
+std::vector<glm::dvec3> manyPoints(size_t count, unsigned seed) {
+  std::vector<glm::dvec3> points = worldPoints(count, 8.0, seed);
+  for (size_t i = 0; i < count; i += 10) points[i] *= 50.0;
+  for (size_t i = 1; i < count; i += 10) points[i] = points[1];
+  points[2].y = double(NAN);
+  points[3].x = double(INFINITY);
+  return points;
+}
+
+void expectSame(const SceneResult& a, const SceneResult& b) {
+  EXPECT_TRUE(sameBits(a.distance, b.distance));
+  EXPECT_TRUE(sameBits(a.body, b.body));
+  EXPECT_TRUE(sameBits(a.closest, b.closest));
+  EXPECT_TRUE(sameBits(a.gradient, b.gradient));
+  EXPECT_TRUE(sameBits(a.triangle, b.triangle));
+}
+
+TEST(Scene, ManyBodiesAreAsIfAllWereAsked) {
+  constexpr size_t kCount = 3, kPoints = 700;
+  const std::vector<uint32_t> left{2, 17, 40};
+  const std::vector<glm::dvec3> points = manyPoints(kCount * kPoints, 2);
+  for (const bool areAllBounded : {true, false}) {
+    const std::vector<glm::dmat4> poses = spreadPoses((kMany + 1) * kCount, 1);
+    const Scene scene = manyBodies(areAllBounded, poses);
+    for (const bool hasOwnPoints : {false, true})
+      for (const double most : {double(INFINITY), 3.0, 0.2}) {
+        SCOPED_TRACE(testing::Message() << areAllBounded << hasOwnPoints << ", distances up to " << most);
+        const Configurations configurations{std::span(poses).first(scene.size() * kCount), kCount,
+                                            hasOwnPoints};
+        const auto given = std::span(points).first(hasOwnPoints ? points.size() : kPoints);
+        SceneOptions options = kUnion;
+        options.triangle = true;
+        options.maxDistance = most;
+        options.without = left;
+        const SceneResult some = scene.query(given, configurations, options, {.threads = 1});
+        expectSame(some, scene.query(given, configurations, options, {.threads = 4}));
+        options.distances = true;
+        expectSame(some, scene.query(given, configurations, options));
+      }
+  }
+}
+
+TEST(Scene, ManySurfacesAreTheNearestOfEach) {
+  const std::vector<glm::dmat4> poses = spreadPoses(kMany, 3);
+  const std::vector<std::shared_ptr<const Surface>>& surfaces = variousSurfaces();
+  Scene scene;
+  for (size_t b = 0; b < kMany; ++b)
+    scene.add(std::to_string(b), surfaces[b % surfaces.size()],
+              poses[b - b % 12 / 6 * 6]);  // Half are twice.
+  const std::vector<glm::dvec3> points = manyPoints(1000, 4);
+  std::vector<double> least(points.size(), double(INFINITY));
+  std::vector<uint32_t> nearest(points.size(), kNoBody);
+  std::vector<glm::dvec3> inBody(points.size());
+  for (uint32_t b = 0; b < kMany; ++b) {
+    for (size_t i = 0; i < points.size(); ++i) inBody[i] = movedBack(scene.poses()[b], points[i]);
+    const QueryResult alone = surfaces[b % surfaces.size()]->query(inBody);
+    for (size_t i = 0; i < points.size(); ++i)
+      if (alone.distance[i] < least[i]) least[i] = alone.distance[i], nearest[i] = b;
+  }
+  const SceneResult found = scene.query(points, {.body = true});
+  for (size_t i = 0; i < points.size(); ++i) {
+    const bool isSomewhere = i != 2 && i != 3;
+    ASSERT_EQ(found.body[i], nearest[i]) << i;
+    ASSERT_EQ(found.body[i] == kNoBody, !isSomewhere) << i;
+    ASSERT_TRUE(isSomewhere ? found.distance[i] == least[i] : std::isnan(found.distance[i])) << i;
+  }
+}
+
+TEST(Scene, ManyBodiesMayLieFarAway) {
+  for (const double far : {1e7, 1e12, 1e160}) {
+    SCOPED_TRACE(far);
+    std::vector<glm::dmat4> poses = spreadPoses(kMany + 1, 5);
+    for (glm::dmat4& pose : poses) pose[3] += glm::dvec4(far, far, -far, 0.0);
+    const Scene scene = manyBodies(true, poses);
+    std::vector<glm::dvec3> points = manyPoints(1000, 6);
+    for (size_t i = 0; i < points.size(); i += 2) points[i] += glm::dvec3(far, far, -far);
+    expectSame(scene.query(points, kUnion), scene.query(points, kEachBody));
   }
 }
 
