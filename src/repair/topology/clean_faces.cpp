@@ -9,6 +9,7 @@
 #include "mesh/disjoint_sets.h"
 #include "mesh/double_sided.h"
 #include "mesh/face_measures.h"
+#include "mesh/half_edges.h"
 
 namespace raymap {
 
@@ -104,9 +105,9 @@ std::optional<Neighbour> neighbourOf(const Model& mesh, uint32_t face, int k) {
   const glm::uvec3 t = weldedFace(mesh, mesh.welding(), face);
   const auto [low, high] = std::minmax({t[k], t[(k + 1) % 3]});
   const uint64_t edge = uint64_t{low} << 32 | high;
-  const auto found = std::ranges::equal_range(keys, edge, {}, &SortKey::high);
-  if (found.size() != 2) return {};
-  const HalfEdge a = halfEdgeOf(found[0]), b = halfEdgeOf(found[1]);
+  const auto first = size_t(std::ranges::lower_bound(keys, edge, {}, &SortKey::high) - keys.begin());
+  if (edgeStart(keys, first + 1) != first + 2) return {};
+  const HalfEdge a = halfEdgeOf(keys[first]), b = halfEdgeOf(keys[first + 1]);
   if (a.isForward == b.isForward) return {};
   const uint32_t other = a.face == face ? b.face : a.face;
   const glm::uvec3 welded = weldedFace(mesh, mesh.welding(), other);
