@@ -46,8 +46,8 @@ class AccessEditor : public SpirvEditor {
                    x = make(OpCompositeExtract, uint(), {at, 0}),
                    y = make(OpCompositeExtract, uint(), {at, 1}), row = make(OpIMul, uint(), {y, width}),
                    group = make(OpIAdd, uint(), {row, x}), subgroup = builtIn(kSubgroupId, uint()),
-                   upper = make(OpShiftLeftLogical, uint(), {group, constant(14)}),
-                   middle = make(OpShiftLeftLogical, uint(), {subgroup, constant(8)}),
+                   upper = make(OpShiftLeftLogical, uint(), {group, constant(18)}),
+                   middle = make(OpShiftLeftLogical, uint(), {subgroup, constant(10)}),
                    both = make(OpBitwiseOr, uint(), {upper, middle});
     put(OpStore, {who_, make(OpBitwiseOr, uint(), {both, builtIn(kLocalIndex, uint())})});
   }

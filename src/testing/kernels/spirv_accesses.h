@@ -15,7 +15,7 @@ struct Access {
   /// variable's id in the shader. Bits 48 and 49 hold the kind, bit 50 is set for shared memory, those above
   /// hold the number of words.
   uint64_t what;
-  uint32_t who;  ///< Group from bit 14 on, subgroup from bit 8 on, then the index in the group.
+  uint32_t who;  ///< Group from bit 18 on, subgroup from bit 10 on, then the index in the group.
   /// Barriers before it that order this kind of memory: those of the group from bit 16 on, below them those
   /// of the subgroup and of the group.
   uint32_t phases;
@@ -24,9 +24,9 @@ struct Access {
   Kind kind() const { return Kind(what >> 48 & 3); }
   bool isShared() const { return (what >> 50 & 1) != 0; }
   uint64_t words() const { return what >> 51; }
-  uint32_t group() const { return who >> 14; }
-  uint32_t subgroup() const { return who >> 8 & 63; }
-  uint32_t index() const { return who & 255; }
+  uint32_t group() const { return who >> 18; }
+  uint32_t subgroup() const { return who >> 10 & 255; }
+  uint32_t index() const { return who & 1023; }
   auto operator<=>(const Access&) const = default;
 };
 static_assert(sizeof(Access) == 16);

@@ -29,6 +29,9 @@ struct Check {
   void (*run)(Subject& subject);
 };
 
+/// Check of inputs that take several dispatches, or more than one dimension of groups.
+inline constexpr const char* kLargeInputs = "large inputs";
+
 /// Returns the name of a case.
 inline std::string nameOf(const CellMesh& mesh) {
   return textOf(mesh.triangles.size()) + " triangles in " + textOf(mesh.dims, " x ");

@@ -1,5 +1,4 @@
 #include <cmath>
-#include <utility>
 
 #include "cpu/cells/raster_distance.h"
 #include "cpu/cells/refine.h"
@@ -57,28 +56,28 @@ std::vector<OwnCellMesh> cellMeshes() {
   return meshes;
 }
 
+void compareCellMesh(Subject& subject, int count, double far) {
+  Mesh mesh = shapes::soup(count, 5);
+  mesh.origin += far;
+  const Grid grid{.dims = {50, 50, 50}, .origin = glm::dvec3(far - 0.123), .spacing = 0.0173};
+  const glm::dvec3 shift = mesh.origin - grid.origin;
+  std::vector<float> expected;
+  for (const glm::vec3& v : mesh.vertices)
+    for (int axis = 0; axis < 3; ++axis)
+      expected.push_back(static_cast<float>((shift[axis] + double(v[axis])) * (1.0 / grid.spacing)));
+  MeshUpload upload(subject.probe.device());
+  upload.fill(mesh);
+  CellMeshStage cells(subject.probe.device());
+  cells.reserve(upload.source().vertexCount, upload.source().triangleCount);
+  subject.probe.run([&](Commands& commands) { cells.record(commands, upload.source(), grid, 0.0); });
+  inCase(textOf(count) + " triangles, origin " + textOf(far), [&] {
+    requireEqual("coordinates", subject.probe.download<float>(cells.vertexBuffer()), expected);
+    requireEqual("triangles", subject.probe.download<glm::uvec3>(cells.triangleBuffer()), mesh.triangles);
+  });
+}
+
 void checkCellMesh(Subject& subject) {
-  constexpr int kManyTriangles = kMostInvocations / 3 + 1000;  // Their vertices take two dispatches.
-  for (const auto& [far, count] :
-       {std::pair(0.0, 600), {12345.678, 600}, {1e9, 600}, {0.0, kManyTriangles}}) {
-    Mesh mesh = shapes::soup(count, 5);
-    mesh.origin += far;
-    const Grid grid{.dims = {50, 50, 50}, .origin = glm::dvec3(far - 0.123), .spacing = 0.0173};
-    const glm::dvec3 shift = mesh.origin - grid.origin;
-    std::vector<float> expected;
-    for (const glm::vec3& v : mesh.vertices)
-      for (int axis = 0; axis < 3; ++axis)
-        expected.push_back(static_cast<float>((shift[axis] + double(v[axis])) * (1.0 / grid.spacing)));
-    MeshUpload upload(subject.probe.device());
-    upload.fill(mesh);
-    CellMeshStage cells(subject.probe.device());
-    cells.reserve(upload.source().vertexCount, upload.source().triangleCount);
-    subject.probe.run([&](Commands& commands) { cells.record(commands, upload.source(), grid, 0.0); });
-    inCase(textOf(count) + " triangles, origin " + textOf(far), [&] {
-      requireEqual("coordinates", subject.probe.download<float>(cells.vertexBuffer()), expected);
-      requireEqual("triangles", subject.probe.download<glm::uvec3>(cells.triangleBuffer()), mesh.triangles);
-    });
-  }
+  for (const double far : {0.0, 12345.678, 1e9}) compareCellMesh(subject, 600, far);
 }
 
 void checkVoxelGrid(Subject& subject) {
@@ -113,6 +112,10 @@ void checkTransform(Subject& subject) {
 void checkRefine(Subject& subject) {
   for (const OwnCellMesh& mesh : cellMeshes())
     for (const int reach : {0, 1}) compareRefine(subject.cells, mesh, reach);
+}
+
+void checkLargeInputs(Subject& subject) {
+  compareCellMesh(subject, kMostInvocations / 3 + 1000, 0.0);  // The vertices take two dimensions of groups.
   // All samples are crowded, which takes two dispatches.
   compareRefine(subject.cells,
                 onGrid(shapes::sphere(0.001, 2, glm::dvec3(0.51)),
@@ -200,7 +203,8 @@ std::span<const Check> checksOfCells() {
                                       {"cell_distance", checkCellDistance},
                                       {"distance_transform", checkTransform},
                                       {"refine", checkRefine},
-                                      {"raster_distance", checkRasterDistance}};
+                                      {"raster_distance", checkRasterDistance},
+                                      {kLargeInputs, checkLargeInputs}};
   return kChecks;
 }
 
