@@ -1,0 +1,71 @@
+#pragma once
+
+// Makes a mesh of each of several meshes.
+
+#include <raymap/io.h>
+#include <raymap/json.h>
+
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "checks.h"
+#include "report.h"
+
+namespace raymap {
+
+/// What became of a mesh.
+struct Outcome {
+  std::string done;  ///< "kept", for example.
+  size_t trianglesBefore = 0, trianglesAfter = 0;
+  std::optional<double> volume;
+  Json figures;  ///< What --stats writes.
+};
+
+/// A mesh to read, and the file to make of it.
+struct Job {
+  std::filesystem::path input, output;
+};
+
+/// Returns whether --output names a folder: one that exists, or a name that ends in a slash.
+bool isFolder(const std::filesystem::path& output);
+
+/// Returns a job for each input. In a folder each output has the name of its input, and the format that
+/// --format names, or that of the input if it is `writable`, or else .stl. Throws `Error(Usage)` if two
+/// inputs have one name, or if several are to become one file.
+std::vector<Job> jobsOf(const std::vector<std::filesystem::path>& inputs, const std::filesystem::path& output,
+                        StreamFormat& format, const std::vector<std::string>& writable);
+
+/// Does what `prepareFiles` of checks.h does for all files of jobs and one of figures.
+void prepareFiles(StreamFormat& format, std::vector<Job>& jobs, const std::vector<std::string>& readable,
+                  const std::vector<std::string>& writable, std::filesystem::path& stats);
+
+/// Does jobs one after the other, also after one that fails, and prints a table. Writes all figures as an
+/// array to `stats`, unless that is empty. Throws `ExitCode` with the highest exit code of a job, unless that
+/// is 0.
+void doAll(const std::vector<Job>& jobs, const std::filesystem::path& stats,
+           const std::function<Outcome(const Job&)>& work);
+
+/// Prepares the files of a command with `addMeshFileOptions`, and does its work: on a mesh with an output, or
+/// on each of several meshes with a folder.
+template <class Arguments>
+void runOnEach(const Arguments& arguments, Outcome (*work)(Arguments&)) {
+  Arguments all = arguments;
+  std::vector<Job> jobs = jobsOf(all.meshes, all.result, all.format, writableMeshExtensions());
+  prepareFiles(all.format, jobs, meshExtensions(), writableMeshExtensions(), all.stats);
+  const auto workOn = [&](const Job& job) {
+    Arguments each = all;
+    each.mesh = job.input;
+    each.result = job.output;
+    return work(each);
+  };
+  if (isFolder(all.result)) return doAll(jobs, all.stats, workOn);
+  const Outcome outcome = workOn(jobs.front());
+  if (all.stats.empty()) return;
+  writeJson(all.stats, outcome.figures);
+  printWritten(all.stats);
+}
+
+}  // namespace raymap
