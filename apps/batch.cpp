@@ -25,7 +25,7 @@ std::string numberText(const char* format, double number) {
   return text.data();
 }
 
-Row rowOf(const Job& job, const Outcome& outcome, double seconds) {
+Row rowOf(const FileJob& job, const Outcome& outcome, double seconds) {
   return {displayName(job.input),
           outcome.done,
           grouped(outcome.trianglesBefore),
@@ -49,17 +49,41 @@ void print(const std::vector<Row>& rows) {
 
 /// Returns the extension of an output in a folder.
 std::string extensionFor(const fs::path& input, const StreamFormat& format,
- const std::vector<std::string>& writable) {
+                         const std::vector<std::string>& writable) {
   if (format.given.empty()) return hasExtension(input, writable) ? input.extension().string() : ".stl";
   const std::string extension = lower((format.given.starts_with('.') ? "" : ".") + format.given);
   if (!hasExtension("x" + extension, writable))
-    throw Error(ErrorCode::Usage,
-                "--format " + format.given + ": must be one of " + joined(writable, " "));
+    throw Error(ErrorCode::Usage, "--format " + format.given + ": must be one of " + joined(writable, " "));
   return extension;
 }
 
+/// Returns a job for each input. Takes --format if it is about files in a folder.
+std::vector<FileJob> jobsOf(StreamFormat& format, const std::vector<fs::path>& inputs, const fs::path& output,
+                            const std::vector<std::string>& writable) {
+  const std::string start = "--output " + output.string() + ": ";
+  if (!isFolder(output)) {
+    if (inputs.size() > 1)
+      throw Error(ErrorCode::Usage, start + "is one file for " + std::to_string(inputs.size()) +
+                                        " meshes; name a folder for them, with a / at its end");
+    return {{inputs.front(), output}};
+  }
+  std::vector<FileJob> jobs;
+  std::map<fs::path, fs::path> named;
+  for (const fs::path& input : inputs) {
+    if (input == "-")
+      throw Error(ErrorCode::Usage, start + "standard input has no name for a file in a folder; name a file");
+    const auto [first, isNew] = named.emplace(input.stem(), input);
+    if (!isNew)
+      throw Error(ErrorCode::Usage, start + first->second.string() + " and " + input.string() +
+                                        " would have the same name there; use a folder for each");
+    jobs.push_back({input, output / (input.stem() += extensionFor(input, format, writable))});
+  }
+  format.given.clear();  // It names no format of inputs.
+  return jobs;
+}
+
 /// Does a job. Returns its exit code, and sets its row of the table and its figures.
-int doOne(const Job& job, const std::function<Outcome(const Job&)>& work, Row& row, Json& figures) {
+int doOne(const FileJob& job, const std::function<Outcome(const FileJob&)>& work, Row& row, Json& figures) {
   const Clock::time_point start = Clock::now();
   try {
     Outcome outcome = work(job);
@@ -83,44 +107,23 @@ bool isFolder(const fs::path& output) {
   return !output.has_filename() || fs::is_directory(output);
 }
 
-std::vector<Job> jobsOf(const std::vector<fs::path>& inputs, const fs::path& output, StreamFormat& format,
- const std::vector<std::string>& writable) {
-  const std::string start = "--output " + output.string() + ": ";
-  if (!isFolder(output)) {
-    if (inputs.size() > 1)
-      throw Error(ErrorCode::Usage,
-                  start + "is one file for " + std::to_string(inputs.size()) + " meshes; name a folder for them, with a / at its end");
-    return {{inputs.front(), output}};
+std::vector<FileJob> prepareJobs(StreamFormat& format, const std::vector<fs::path>& inputs,
+                                 const fs::path& output, const std::vector<std::string>& readable,
+                                 const std::vector<std::string>& writable, fs::path& stats) {
+  std::vector<FileJob> jobs = jobsOf(format, inputs, output, writable);
+  std::vector<Input> read;
+  std::vector<Output> written;
+  for (FileJob& job : jobs) {
+    read.push_back({job.input, readable});
+    written.push_back({"--output", job.output, writable});
   }
-  std::vector<Job> jobs;
-  std::map<fs::path, fs::path> named;
-  for (const fs::path& input : inputs) {
-    if (input == "-")
-      throw Error(ErrorCode::Usage, start + "standard input has no name for a file in a folder; name a file");
-    const auto [first, isNew] = named.emplace(input.stem(), input);
-    if (!isNew)
-      throw Error(ErrorCode::Usage, start + first->second.string() + " and " + input.string() +
-                                        " would have the same name there; use a folder for each");
-    jobs.push_back({input, output / (input.stem() += extensionFor(input, format, writable))});
-  }
-  format.given.clear();  // It names no format of inputs.
+  written.push_back({"--stats", stats, {".json"}});
+  prepareFiles(format, read, written);
   return jobs;
 }
 
-void prepareFiles(StreamFormat& format, std::vector<Job>& jobs, const std::vector<std::string>& readable,
-                  const std::vector<std::string>& writable, fs::path& stats) {
-  std::vector<Input> inputs;
-  std::vector<Output> outputs;
-  for (Job& job : jobs) {
-    inputs.push_back({job.input, readable});
-    outputs.push_back({"--output", job.output, writable});
-  }
-  outputs.push_back({"--stats", stats, {".json"}});
-  prepareFiles(format, inputs, outputs);
-}
-
-void doAll(const std::vector<Job>& jobs, const fs::path& stats,
-           const std::function<Outcome(const Job&)>& work) {
+void doAll(const std::vector<FileJob>& jobs, const fs::path& stats,
+           const std::function<Outcome(const FileJob&)>& work) {
   std::vector<Row> rows{{"file", "done", "triangles", "after", "volume", "seconds", "output"}};
   Json figures = Json::array();
   int code = 0;

@@ -143,9 +143,9 @@ void convertEach(ConvertArguments& arguments) {
   inputs.insert(inputs.end(), arguments.others.begin(), arguments.others.end());
   std::vector<std::string> writable = fieldExtensions();
   for (const std::string& extension : writableMeshExtensions()) writable.push_back(extension);
-  std::vector<Job> jobs = jobsOf(inputs, arguments.output, arguments.format, writable);
-  prepareFiles(arguments.format, jobs, meshAndFieldExtensions(), writable, none);
-  doAll(jobs, {}, [&](const Job& job) {
+  const std::vector<FileJob> jobs =
+      prepareJobs(arguments.format, inputs, arguments.output, meshAndFieldExtensions(), writable, none);
+  doAll(jobs, {}, [&](const FileJob& job) {
     ConvertArguments each = arguments;
     each.input = job.input;
     each.output = job.output;

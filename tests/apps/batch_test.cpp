@@ -39,7 +39,8 @@ TEST_F(CliBatch, RepairsEachFileByItself) {
 }
 
 TEST_F(CliBatch, PrintsAnArrayOfFigures) {
-  const Result all = run("repair torn.stl bad.ply ball.obj -o out --json --height 5 --remesh --resolution 32");
+  const Result all =
+      run("repair torn.stl bad.ply ball.obj -o out --json --height 5 --remesh --resolution 32");
   EXPECT_EQ(all.code, exitCode(ErrorCode::Input));
   const Json figures = Json::parse(all.out);
   ASSERT_EQ(figures.size(), 3u);
@@ -73,7 +74,8 @@ TEST_F(CliBatch, RefusesWhatCannotBecomeFilesOfAFolder) {
   const auto usage = ErrorCode::Usage;
   writeMesh(path("out/ball.ply"), shapes::sphere(1.0, 2));
   const std::string before = readBytes(path("ball.obj"));
-  expectFailure("repair ball.obj out/ball.ply -o out", usage, "ball.obj and out/ball.ply would have the same");
+  expectFailure("repair ball.obj out/ball.ply -o out", usage,
+                "ball.obj and out/ball.ply would have the same");
   expectFailure("repair ball.obj torn.stl -o ball.ply", usage, "is one file for 2 meshes; name a folder");
   expectFailure("repair ball.obj torn.stl -o .", usage, "is the input ball.obj; to replace it: --overwrite");
   expectFailure("repair ball.obj torn.stl -o none/", ErrorCode::File, "there is no folder none");

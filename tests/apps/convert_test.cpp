@@ -75,7 +75,9 @@ TEST_F(CliConvert, ScalesToAHeightOrIntoABox) {
   succeed("convert box.ply a.stl --height 80 -q");
   EXPECT_EQ(readBytes(path("a.stl")), readBytes(path("b.stl")));
   const auto heightAlong = [&](const std::string& options, int axis) {
-    const Json box = Json::parse(succeed("info box.ply --json --height 30 " + options).out)["bounds"];
+    const Result info = run("info box.ply --json --height 30 " + options);
+    EXPECT_EQ(info.err.rfind("scaled by ", 0), 0u) << info.err;
+    const Json box = Json::parse(info.out)["bounds"];
     return box[1][axis].get<double>() - box[0][axis].get<double>();
   };
   EXPECT_NEAR(heightAlong("", 2), 30.0, 1e-4);
