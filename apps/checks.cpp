@@ -209,6 +209,7 @@ std::string checkedValue(const OptionRow& row, const std::string& text) {
     case Takes::FromZero:
       return accepted(text, isFinite && *number >= 0.0, "a number at least 0");
     case Takes::AboveZero:
+    case Takes::Lengths:
       return accepted(text, isFinite && *number > 0.0, "a number above 0");
     default:
       return accepted(text, isFinite, "a number");

@@ -3,6 +3,8 @@
 #include <raymap/error.h>
 
 #include <exception>
+#include <string>
+#include <string_view>
 
 #include "parser.h"
 
@@ -21,5 +23,15 @@ struct ExitCode : std::exception {
 
 /// Returns the exit code of an error, as docs/cli.md lists it.
 int exitCodeOf(ErrorCode code);
+
+/// What the program says of an exception.
+struct Failure {
+  int code;               ///< Exit code.
+  std::string_view kind;  ///< Name of the kind of error.
+  std::string message;
+};
+
+/// Describes the exception that is being handled. Ends the program if the reader of its data has ended.
+Failure describeFailure();
 
 }  // namespace raymap

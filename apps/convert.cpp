@@ -5,6 +5,7 @@
 #include <variant>
 #include <vector>
 
+#include "batch.h"
 #include "checks.h"
 #include "commands.h"
 #include "field_array.h"
@@ -40,7 +41,7 @@ std::vector<std::string> outputExtensions(const ConvertArguments& arguments) {
 }
 
 template <class AnyMesh>
-void writeConvertedMesh(const ConvertArguments& arguments, AnyMesh& mesh) {
+Outcome writeConvertedMesh(const ConvertArguments& arguments, AnyMesh& mesh) {
   if (arguments.half || !arguments.gridName.empty())
     throw Error(ErrorCode::Usage, "--grid-name and --half are for a field, and " +
                                       displayName(arguments.input) + " is a mesh; leave them out");
@@ -53,13 +54,15 @@ void writeConvertedMesh(const ConvertArguments& arguments, AnyMesh& mesh) {
                                                        .format = arguments.format.output});
   writeMesh(arguments.output, mesh, options);
   printWritten(arguments.output, options);
+  const size_t triangles = mesh.triangles.size();
+  return {.done = "converted", .trianglesBefore = triangles, .trianglesAfter = triangles, .figures = {}};
 }
 
 /// Writes a mesh, or its positions in double precision if it rounds some.
-void writeConverted(const ConvertArguments& arguments, Mesh& mesh, std::vector<glm::dvec3> exact) {
+Outcome writeConverted(const ConvertArguments& arguments, Mesh& mesh, std::vector<glm::dvec3> exact) {
   if (exact.empty()) return writeConvertedMesh(arguments, mesh);
   DoubleMesh precise{std::move(exact), std::move(mesh.triangles)};
-  writeConvertedMesh(arguments, precise);
+  return writeConvertedMesh(arguments, precise);
 }
 
 /// Warns of what the file's format has no place for: arrays besides the first, and the grid.
@@ -76,7 +79,7 @@ void warnOfDropped(const ConvertArguments& arguments, const Field& field) {
                  dropped + (isDistance ? "; a .npz, .vti, .vdb or .nvdb holds all" : ""));
 }
 
-void writeConverted(const ConvertArguments& arguments, Field& field) {
+Outcome writeConverted(const ConvertArguments& arguments, Field& field) {
   convertUnits(field, arguments.units, named(arguments.input, arguments.format.input));
   const std::filesystem::path output = named(arguments.output, arguments.format.output);
   const FieldWriteOptions options{.array = heldArray(field),
@@ -87,6 +90,7 @@ void writeConverted(const ConvertArguments& arguments, Field& field) {
   (isMadeDense ? writeDense : writeField)(arguments.output, field, options);
   warnOfDropped(arguments, field);
   printWritten(arguments.output);
+  return {.done = "converted", .figures = {}};
 }
 
 /// Writes the narrow bands of several files as grids of one, each under the name of its file.
@@ -125,8 +129,33 @@ void findOutput(ConvertArguments& arguments) {
   arguments.others.clear();
 }
 
+Outcome convertOne(const ConvertArguments& arguments) {
+  std::vector<glm::dvec3> exact;
+  auto read = loadMeshOrField(arguments.input, arguments.format.input, arguments.format.grid, &exact);
+  if (Mesh* mesh = std::get_if<Mesh>(&read)) return writeConverted(arguments, *mesh, std::move(exact));
+  return writeConverted(arguments, std::get<Field>(read));
+}
+
+/// Converts each input to a file in a folder.
+void convertEach(ConvertArguments& arguments) {
+  std::vector<std::filesystem::path> inputs{arguments.input};
+  std::filesystem::path none;
+  inputs.insert(inputs.end(), arguments.others.begin(), arguments.others.end());
+  std::vector<std::string> writable = fieldExtensions();
+  for (const std::string& extension : writableMeshExtensions()) writable.push_back(extension);
+  const std::vector<FileJob> jobs =
+      prepareJobs(arguments.format, inputs, arguments.output, meshAndFieldExtensions(), writable, none);
+  doAll(jobs, {}, [&](const FileJob& job) {
+    ConvertArguments each = arguments;
+    each.input = job.input;
+    each.output = job.output;
+    return convertOne(each);
+  });
+}
+
 void run(ConvertArguments& arguments) {
   findOutput(arguments);
+  if (isFolder(arguments.output)) return convertEach(arguments);
   const std::vector<Output> outputs{{"--output", arguments.output, outputExtensions(arguments)}};
   std::vector<Input> files{{arguments.input, meshAndFieldExtensions()}};
   for (std::filesystem::path& other : arguments.others) files.push_back({other, meshAndFieldExtensions()});
@@ -134,12 +163,7 @@ void run(ConvertArguments& arguments) {
   std::vector<std::filesystem::path> inputs{arguments.input};
   inputs.insert(inputs.end(), arguments.others.begin(), arguments.others.end());
   if (inputs.size() > 1) return joinBands(arguments, inputs);
-  std::vector<glm::dvec3> exact;
-  auto read = loadMeshOrField(arguments.input, arguments.format.input, arguments.format.grid, &exact);
-  if (Mesh* mesh = std::get_if<Mesh>(&read))
-    writeConverted(arguments, *mesh, std::move(exact));
-  else
-    writeConverted(arguments, std::get<Field>(read));
+  convertOne(arguments);
 }
 
 }  // namespace
@@ -150,7 +174,8 @@ void addConvert(Program& program) {
       "Examples:\n  raymap convert bunny.vdb -o bunny.nrrd\n  raymap convert bunny.vdb -o bunny.nvdb\n  "
       "raymap convert bunny.3mf -o bunny.ply\n"
       "  raymap convert body.vdb hull.vdb -o both.vdb     (its grids are 'body' and 'hull')\n"
-      "  raymap convert car.glb -o car.3mf --unit mm --up y");
+      "  raymap convert car.glb -o car.3mf --unit mm --up y\n"
+      "  raymap convert *.stl -o printable/ --format 3mf --unit mm");
   auto& arguments = command.runs<ConvertArguments>(run);
   addOperand(command, "FIELD|MESH", &arguments.input, "Field or mesh to read");
   addOperand(command, "FILE...", &arguments.others,
@@ -158,7 +183,8 @@ void addConvert(Program& program) {
       .isRequired = false;
   addOutput(command, arguments.output,
             "File to write. Of a field: " + joined(fieldExtensions(), ", ", " or ") +
-                ". Of a mesh: " + joined(writableMeshExtensions(), ", ", " or "));
+                ". Of a mesh: " + joined(writableMeshExtensions(), ", ", " or ") +
+                ". Or a folder, for a file of each input, with its name");
   addOptions(command, {{"--format", &arguments.format.given},
                        {"--grid", &arguments.format.grid},
                        {"--grid-name", &arguments.gridName},

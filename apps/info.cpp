@@ -152,6 +152,7 @@ void inspectField(const Field& field, const InfoArguments& arguments) {
 void run(InfoArguments& arguments) {
   const std::vector<Output> outputs{{"--picture", arguments.picture, {".png"}}};
   prepareFiles(arguments.format, {{arguments.input, meshAndFieldExtensions()}}, outputs);
+  arguments.units.upright = arguments.camera.up;
   setView(arguments.camera, isZUp(arguments.input, arguments.format.input), arguments.view);
   const auto read =
       loadMeshOrField(arguments.input, arguments.format.input, arguments.format.grid, arguments.units);

@@ -21,7 +21,7 @@ const char* kept(std::string text) {
 }
 
 /// Returns the text of an option; nothing if there is none of this name.
-std::string_view textOf(std::string_view name) {
+std::string_view libraryText(std::string_view name) {
   const auto found = std::ranges::find(optionTexts(), name, &OptionText::name);
   return found == optionTexts().end() ? std::string_view() : found->text;
 }
@@ -34,7 +34,7 @@ std::string helpText(std::string_view text) {
   const std::vector<std::string> parts =
       split(replaced(std::string(text.substr(start)), "Unset:", "Without it:"), '`');
   for (size_t p = 0; p < parts.size(); ++p)
-    help += p % 2 == 1 && !textOf(parts[p]).empty() ? flagOf(parts[p]) : parts[p];
+    help += p % 2 == 1 && !libraryText(parts[p]).empty() ? flagOf(parts[p]) : parts[p];
   help[0] = char(std::toupper(static_cast<unsigned char>(help[0])));
   if (help.ends_with('.')) help.pop_back();
   return help;
@@ -117,7 +117,7 @@ std::vector<OptionRow> completed(std::span<const OptionRow> given) {
     forEachOption(kAll, [&](const OptionName& option, const auto& member) {
       if (row.help != nullptr || option.name != name) return;
       if (row.value == nullptr) row.value = option.unit;
-      row.help = kept(helpText(textOf(name)));
+      row.help = kept(helpText(libraryText(name)));
       describeValue(row, option, member);
     });
   }

@@ -1,4 +1,5 @@
 #include <raymap/error.h>
+#include <raymap/names.h>
 #include <raymap/version.h>
 
 #include <cstdio>
@@ -54,14 +55,14 @@ int fail(int code, const std::string& message) {
   return code;
 }
 
-int failAsBug(const std::exception& error) {
-  return fail(1, std::string("this is a bug, please report it: ") + error.what());
+Failure bug(const std::exception& error) {
+  return {1, "bug", std::string("this is a bug, please report it: ") + error.what()};
 }
 
-int failOfMemory() {
-  return fail(exitCodeOf(ErrorCode::Memory), "out of memory: the work needs more than the " +
-                                                 sizeText(peakMemory()) +
-                                                 " that it held; allow more, or use a lower resolution");
+Failure outOfMemory() {
+  return {exitCodeOf(ErrorCode::Memory), name(ErrorCode::Memory),
+          "out of memory: the work needs more than the " + sizeText(peakMemory()) +
+              " that it held; allow more, or use a lower resolution"};
 }
 
 /// Adds the options for the text that a command prints, which every command has.
@@ -101,6 +102,23 @@ int run(int argc, char** argv) {
 
 }  // namespace
 
+Failure describeFailure() {
+  try {
+    throw;
+  } catch (const Error& error) {
+    endIfReaderEnded(error);
+    const bool isStopped = error.code() == ErrorCode::Cancelled && caughtSignal() != 0;
+    return {isStopped ? 128 + caughtSignal() : exitCodeOf(error.code()), name(error.code()), error.what()};
+  } catch (const std::bad_alloc&) {
+    return outOfMemory();
+  } catch (const std::system_error& error) {
+    const bool isMemory = error.code() == std::errc::resource_unavailable_try_again;  // For a thread.
+    return isMemory ? outOfMemory() : bug(error);
+  } catch (const std::exception& error) {
+    return bug(error);
+  }
+}
+
 }  // namespace raymap
 
 int main(int argc, char** argv) {
@@ -110,16 +128,8 @@ int main(int argc, char** argv) {
     return run(argc, argv);
   } catch (const ExitCode& exit) {
     return exit.code;
-  } catch (const Error& error) {
-    endIfReaderEnded(error);
-    const bool isStopped = error.code() == ErrorCode::Cancelled && caughtSignal() != 0;
-    return fail(isStopped ? 128 + caughtSignal() : exitCodeOf(error.code()), error.what());
-  } catch (const std::bad_alloc&) {
-    return failOfMemory();
-  } catch (const std::system_error& error) {
-    const bool isMemory = error.code() == std::errc::resource_unavailable_try_again;  // For a thread.
-    return isMemory ? failOfMemory() : failAsBug(error);
-  } catch (const std::exception& error) {
-    return failAsBug(error);
+  } catch (const std::exception&) {
+    const Failure failure = describeFailure();
+    return fail(failure.code, failure.message);
   }
 }

@@ -7,6 +7,7 @@
 #include <cfloat>
 #include <cmath>
 #include <cstdio>
+#include <iomanip>
 #include <sstream>
 #include <utility>
 
@@ -60,17 +61,17 @@ void warnOfUnit(const MeshUnits& units, const std::filesystem::path& mesh,
                " converts them");
 }
 
-/// Returns the factor that converts the numbers of a file. Says so if a unit is taken for granted.
-double factorFor(const MeshUnits& units, const std::filesystem::path& path) {
+/// Returns the factor that converts the unit of a file. Says so if a unit is taken for granted.
+double unitFactor(const MeshUnits& units, const std::filesystem::path& path) {
   const std::optional<LengthUnit> from = sourceOf(units, path), to = unitNamed(targetOf(units));
-  if (from && to) return units.scale * (millimetres(*from) / millimetres(*to));
-  if (!to) return units.scale;
+  if (from && to) return millimetres(*from) / millimetres(*to);
+  if (!to) return 1.0;
   if (!units.to.empty())
     throw Error(ErrorCode::Usage, "--to " + units.to + ": " + displayName(path) +
                                       " does not state its unit; add --from and the unit of its numbers");
   printNote(displayName(path) + " does not state its unit: its numbers are taken as " + longName(*to) +
             ", and stay; --from U --to " + units.unit + " converts them from U");
-  return units.scale;
+  return 1.0;
 }
 
 glm::dvec3 vectorOf(const std::vector<double>& numbers) {
@@ -124,18 +125,60 @@ void turn(AnyMesh& mesh, const glm::dmat3& rotation) {
 }
 
 template <class AnyMesh>
-void scale(AnyMesh& mesh, double factor, const MeshUnits& units) {
+void scale(AnyMesh& mesh, double factor, double asked) {
   const glm::dvec3 size = bounds(mesh).size();
   const double before = std::max({size.x, size.y, size.z}), after = before * factor;
   const glm::dvec3 origin = mesh.origin * factor;
   const bool isFinite = after < FLT_MAX && std::isfinite(origin.x + origin.y + origin.z);
   if (!isFinite || (before > 0.0 && after < FLT_MIN))
     throw Error(ErrorCode::Usage,
-                (std::ostringstream() << "--scale " << units.scale << ": the mesh becomes too "
+                (std::ostringstream() << "--scale " << asked << ": the mesh becomes too "
                                       << (isFinite ? "small" : "large") << " for single precision")
                     .str());
   changeVertices(mesh, [&](const glm::dvec3& vertex) { return vertex * factor; });
   mesh.origin = origin;
+}
+
+/// Returns how far the triangles of a mesh extend along a unit vector.
+template <class AnyMesh>
+double extentAlong(const AnyMesh& mesh, const glm::dvec3& direction) {
+  double low = DBL_MAX, high = -DBL_MAX;
+  for (const glm::uvec3& triangle : mesh.triangles)
+    for (int c = 0; c < 3; ++c) {
+      const double at = glm::dot(glm::dvec3(mesh.vertices[triangle[c]]), direction);
+      low = std::min(low, at);
+      high = std::max(high, at);
+    }
+  return std::max(high - low, 0.0);
+}
+
+/// Returns the factor of --scale, --height or --fit for a mesh whose numbers are multiplied by `unit`, too.
+/// Prints the factor that a length chose. `up` is a unit vector.
+template <class AnyMesh>
+double scaleFor(const AnyMesh& mesh, const MeshUnits& units, double unit, const glm::dvec3& up,
+                const std::filesystem::path& from) {
+  if (!units.height && units.fit.empty()) return units.scale;
+  std::ostringstream what;
+  double factor = DBL_MAX;
+  const auto limit = [&](const glm::dvec3& direction, double length) {
+    if (const double extent = extentAlong(mesh, direction) * unit; extent > 0.0)
+      factor = std::min(factor, length / extent);
+  };
+  if (units.height) {
+    limit(up, *units.height);
+    what << "to a height of " << *units.height;
+  } else {
+    for (int axis = 0; axis < 3; ++axis) limit(glm::dmat3(1.0)[axis], units.fit[size_t(axis)]);
+    what << "to fit into " << units.fit[0] << " x " << units.fit[1] << " x " << units.fit[2];
+  }
+  if (factor == DBL_MAX)
+    throw Error(ErrorCode::Input, displayName(from) + ": the mesh cannot be scaled " + what.str() +
+                                      ": it has no extent" +
+                                      (units.height ? " along the axis that is up" : ""));
+  std::ostringstream line;
+  line << "scaled by " << std::setprecision(9) << factor << ' ' << what.str();
+  printNote(line.str());
+  return factor;
 }
 
 }  // namespace
@@ -151,6 +194,8 @@ void addUnitOptions(Command& command, MeshUnits& units) {
                        {"--from", &units.from},
                        {"--to", &units.to},
                        {"--scale", &units.scale},
+                       {"--height", &units.height},
+                       {"--fit", &units.fit},
                        {"--rotate", &units.rotate},
                        {"--translate", &units.translate}});
 }
@@ -192,40 +237,45 @@ LengthUnit writtenUnit(const MeshUnits& units, const std::filesystem::path& mesh
 }
 
 glm::dvec3 downIn(const std::filesystem::path& result) {
-  return hasExtension(result, {".glb"}) ? glm::dvec3(0, -1, 0) : glm::dvec3(0, 0, -1);
+  return hasExtension(result, {".glb", ".gltf"}) ? glm::dvec3(0, -1, 0) : glm::dvec3(0, 0, -1);
 }
 
 namespace {
 
 template <class AnyMesh>
-void convertMesh(AnyMesh& mesh, const MeshUnits& units, const std::filesystem::path& from) {
+double convertMesh(AnyMesh& mesh, const MeshUnits& units, const std::filesystem::path& from,
+                   const glm::dvec3& up) {
   if (!units.rotate.empty()) turn(mesh, rotationBy(vectorOf(units.rotate)));
-  if (const double factor = factorFor(units, from); factor != 1.0) scale(mesh, factor, units);
+  const double unit = unitFactor(units, from), factor = scaleFor(mesh, units, unit, up, from);
+  if (factor * unit != 1.0) scale(mesh, factor * unit, factor);
   if (!units.translate.empty()) mesh.origin += vectorOf(units.translate);
+  return factor;
 }
 
 template <class AnyMesh>
-void convertMesh(AnyMesh& mesh, const MeshUnits& units, const std::filesystem::path& from,
-                 const std::filesystem::path& result) {
+double convertForFile(AnyMesh& mesh, const MeshUnits& units, const std::filesystem::path& from,
+                      const std::filesystem::path& result) {
   warnOfUnit(units, from, result);
-  if (!units.up.empty()) turn(mesh, rotationTo(glm::normalize(vectorOf(units.up)), -downIn(result)));
-  convertMesh(mesh, units, from);
+  const glm::dvec3 up = -downIn(result);
+  if (!units.up.empty()) turn(mesh, rotationTo(glm::normalize(vectorOf(units.up)), up));
+  return convertMesh(mesh, units, from, up);
 }
 
 }  // namespace
 
-void convertUnits(Mesh& mesh, const MeshUnits& units, const std::filesystem::path& from) {
-  convertMesh(mesh, units, from);
+double convertUnits(Mesh& mesh, const MeshUnits& units, const std::filesystem::path& from) {
+  const glm::dvec3 up = units.upright.empty() ? -downIn(from) : glm::normalize(vectorOf(units.upright));
+  return convertMesh(mesh, units, from, up);
 }
 
-void convertUnits(Mesh& mesh, const MeshUnits& units, const std::filesystem::path& from,
-                  const std::filesystem::path& result) {
-  convertMesh(mesh, units, from, result);
+double convertUnits(Mesh& mesh, const MeshUnits& units, const std::filesystem::path& from,
+                    const std::filesystem::path& result) {
+  return convertForFile(mesh, units, from, result);
 }
 
-void convertUnits(DoubleMesh& mesh, const MeshUnits& units, const std::filesystem::path& from,
-                  const std::filesystem::path& result) {
-  convertMesh(mesh, units, from, result);
+double convertUnits(DoubleMesh& mesh, const MeshUnits& units, const std::filesystem::path& from,
+                    const std::filesystem::path& result) {
+  return convertForFile(mesh, units, from, result);
 }
 
 namespace {
@@ -255,7 +305,10 @@ void convertUnits(Field& field, const MeshUnits& units, const std::filesystem::p
   if (!units.up.empty() || !units.rotate.empty() || units.recenter)
     throw Error(ErrorCode::Usage, "--up, --rotate and --recenter are for meshes, and " + from.string() +
                                       " is a field; leave them out, or turn the mesh before");
-  const double factor = factorFor(units, from);
+  if (units.height || !units.fit.empty())
+    throw Error(ErrorCode::Usage,
+                "--height and --fit are for meshes, and " + from.string() + " is a field; use --scale");
+  const double factor = units.scale * unitFactor(units, from);
   const glm::dvec3 move = units.translate.empty() ? glm::dvec3(0.0) : vectorOf(units.translate);
   const std::vector<uint8_t> sides = field.narrow ? clampedSides(field) : std::vector<uint8_t>();
   for (float& distance : field.distance)

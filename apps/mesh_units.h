@@ -18,13 +18,16 @@ struct MeshUnits {
   std::string to;    ///< Unit of all lengths, for a file whose unit is known; empty: that of the file.
   std::string unit;  ///< The same; a file without a unit is taken to be in it.
   double scale = 1.0;
+  std::optional<double> height;   ///< Takes the place of `scale`: how high the mesh becomes.
+  std::vector<double> fit;        ///< The same: sides of the box that it fits into.
   std::vector<double> up;         ///< Direction that is up; empty: the mesh is not turned.
   std::vector<double> rotate;     ///< Degrees about x, then y, then z.
   std::vector<double> translate;  ///< In the unit of the result.
+  std::vector<double> upright;    ///< Direction that is up in a picture of a mesh that is not turned.
   bool recenter = false;
 };
 
-/// Adds `--from`, `--to`, `--unit`, `--scale`, `--rotate` and `--translate`.
+/// Adds `--from`, `--to`, `--unit`, `--scale`, `--height`, `--fit`, `--rotate` and `--translate`.
 void addUnitOptions(Command& command, MeshUnits& units);
 
 /// Adds those, `--up` and `--recenter` to a command that writes a mesh.
@@ -33,9 +36,11 @@ void addMeshOutputOptions(Command& command, MeshUnits& units);
 /// Adds the options of a command that makes a mesh of a mesh: both files, their formats, figures and units.
 template <class Arguments>
 void addMeshFileOptions(Command& command, Arguments& arguments) {
-  addOperand(command, "MESH", &arguments.mesh,
-             "Mesh to read: OBJ, PLY, STL, OFF, glTF, GLB, 3MF, FBX or DAE");
-  addOutput(command, arguments.result, "Mesh to write", writableMeshExtensions()).isRequired = true;
+  addOperand(command, "MESH...", &arguments.meshes,
+             "Mesh to read: OBJ, PLY, STL, OFF, glTF, GLB, 3MF, FBX or DAE. Several need a folder as output");
+  Argument& output = addOutput(command, arguments.result, "Mesh to write", writableMeshExtensions());
+  output.isRequired = true;
+  output.help += "; or a folder, for a mesh of each input, with its name";
   addOptions(command, {{"--format", &arguments.format.given}});
   addFigureOptions(command, arguments.stats);
   addOptions(command, {{"--overwrite", &arguments.format.mayOverwrite}});
@@ -69,15 +74,15 @@ struct DoubleMesh {
   operator MeshView() const { return {vertices, triangles, origin}; }
 };
 
-/// Turns, scales and moves a mesh, in this order. Throws `Error(Usage)` if `to` is given and the unit of the
-/// file is not known.
-void convertUnits(Mesh& mesh, const MeshUnits& units, const std::filesystem::path& from);
+/// Turns, scales and moves a mesh, in this order. Returns the factor beside that of the units. Throws
+/// `Error(Usage)` if `to` is given and the unit of the file is not known.
+double convertUnits(Mesh& mesh, const MeshUnits& units, const std::filesystem::path& from);
 /// Turns it to the axis that is up in the file to write, too. Warns if that format's unit is another one than
 /// the mesh's.
-void convertUnits(Mesh& mesh, const MeshUnits& units, const std::filesystem::path& from,
-                  const std::filesystem::path& result);
-void convertUnits(DoubleMesh& mesh, const MeshUnits& units, const std::filesystem::path& from,
-                  const std::filesystem::path& result);
+double convertUnits(Mesh& mesh, const MeshUnits& units, const std::filesystem::path& from,
+                    const std::filesystem::path& result);
+double convertUnits(DoubleMesh& mesh, const MeshUnits& units, const std::filesystem::path& from,
+                    const std::filesystem::path& result);
 /// Scales and moves a field. Throws `Error(Usage)` if the options would turn it, or as above.
 void convertUnits(Field& field, const MeshUnits& units, const std::filesystem::path& from);
 

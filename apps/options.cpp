@@ -78,6 +78,11 @@ constexpr OptionRow kRows[] = {
     {"--to", "", "Units", Choice, "UNIT", "that of the file",
      "Unit to convert the input to, and of all lengths, these options included", unitNames},
     {"--scale", "", "Units", AboveZero, "FACTOR", "1", "Multiply the input by this factor"},
+    {"--height", "", "Units", AboveZero, "LENGTH", "",
+     "Scale a mesh to this height, in place of --scale. The height is along z, or along y in a .glb, of the "
+     "mesh that is written; in info and render along --up"},
+    {"--fit", "", "Units", Lengths, "X Y Z", "",
+     "Scale a mesh to be as large as fits into a box of these sides, in place of --scale"},
     {"--rotate", "", "Units", Vector, "X Y Z", "",
      "Rotate the mesh by these degrees about x, then y, then z"},
     {"--translate", "", "Units", Vector, "X Y Z", "", "Move the input by these lengths, after all else"},
@@ -233,6 +238,7 @@ int valueCount(Takes takes) {
       return 2;
     case Triple:
     case Vector:
+    case Lengths:
     case Direction:
       return 3;
     case Takes::Plane:

@@ -29,6 +29,7 @@ enum class Takes : uint8_t {
   Pair,       ///< Two whole numbers from 1 on.
   Triple,     ///< Three whole numbers from 1 on.
   Vector,     ///< Three numbers.
+  Lengths,    ///< Three numbers above 0.
   Direction,  ///< Three numbers, or the name of an axis.
   Plane,      ///< Four numbers: the normal, then its product with a point of the plane.
   Corners,    ///< Six numbers: the lowest corner, then the highest.
@@ -64,7 +65,8 @@ constexpr std::pair<const char*, const char*> kNeeded[] = {
 constexpr std::pair<const char*, const char*> kExclusive[] = {
     {"--voxel-size", "--resolution"}, {"--resolution", "--shape"}, {"--shape", "--align"},
     {"--padding", "--bounds"},        {"--to", "--unit"},          {"--stats", "--json"},
-    {"--verbose", "--quiet"}};
+    {"--scale", "--height"},          {"--scale", "--fit"},        {"--height", "--fit"},
+    {"--height", "--frames"},         {"--fit", "--frames"},       {"--verbose", "--quiet"}};
 
 /// Returns the number of values that an option takes.
 int valueCount(Takes takes);

@@ -293,9 +293,12 @@ void run(RenderArguments& arguments) {
   const std::vector<Output> outputs{{"--output", arguments.picture, kindsOf(arguments)}};
   const bool isTwo = !arguments.other.empty();
   if (isTwo && isSequence) throw Error(ErrorCode::Usage, "--frames draws one shape; leave the other out");
+  if (isTwo && (arguments.units.height || !arguments.units.fit.empty()))
+    throw Error(ErrorCode::Usage, "--height and --fit scale one shape; leave the other out, or use --scale");
   std::vector<Input> inputs{{arguments.input, meshAndFieldExtensions()}};
   if (isTwo) inputs.push_back({arguments.other, meshAndFieldExtensions()});
   prepareFiles(arguments.format, inputs, outputs);
+  arguments.units.upright = arguments.camera.up;
   setView(arguments.camera, isZUp(arguments.input, arguments.format.input), arguments.view);
   if (isSequence)
     renderFrames(arguments);

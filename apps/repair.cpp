@@ -6,7 +6,7 @@
 #include <ostream>
 #include <utility>
 
-#include "checks.h"
+#include "batch.h"
 #include "commands.h"
 #include "field_options.h"
 #include "first_use.h"
@@ -31,6 +31,8 @@ constexpr const char* kRepairFooter = R"(Examples:
   raymap repair terrain.stl -o block.stl --base -5               (walls and a flat base at z = -5)
   raymap repair part.stl -o part.3mf --unit in                   (its numbers are inches)
   raymap repair car.glb -o car.stl --unit mm --up y              (from metres, y up, to millimetres, z up)
+  raymap repair bust.obj -o bust.stl --height 80                 (80 high in the file)
+  raymap repair *.stl -o printable/                              (each file by itself; then a table)
 
 All lengths are in the mesh's units, or in those that --unit names. The program measures and prints how far the
 result deviates from the mesh.)";
@@ -78,23 +80,18 @@ RepairReport makeSolid(const Mesh& mesh, const RepairGrid& grid, const RepairArg
   return std::move(repaired.report);
 }
 
-void run(RepairArguments& arguments) {
+Outcome repairOne(RepairArguments& arguments) {
   const Clock::time_point start = Clock::now();
-  finishFieldArguments(arguments);
-  checkSimplification(arguments.repair.tolerance, arguments.repair.triangles);
   if (!arguments.units.up.empty())
     arguments.repair.down = downIn(named(arguments.result, arguments.format.output));
   if (const std::vector<double>& d = arguments.down; !d.empty()) arguments.repair.down = {d[0], d[1], d[2]};
-  const std::vector<Output> outputs{{"--output", arguments.result, writableMeshExtensions()},
-                                    {"--stats", arguments.stats, {".json"}}};
-  prepareFiles(arguments.format, {{arguments.mesh, meshExtensions()}}, outputs);
   const std::filesystem::path input = named(arguments.mesh, arguments.format.input),
                               output = named(arguments.result, arguments.format.output);
   checkMeshUnits(arguments.units, output);
   std::vector<Stats::Stage> steps;
   Mesh mesh;
   timeStep(steps, "load", [&] { mesh = loadMesh(arguments.mesh, arguments.format.input); });
-  convertUnits(mesh, arguments.units, input, output);
+  arguments.units.scale = convertUnits(mesh, arguments.units, input, output);
   warnOfLengths(arguments.repair, bounds(mesh));
   testBeforeFirstUse(arguments.machine.device);
   RepairGrid grid;
@@ -112,8 +109,6 @@ void run(RepairArguments& arguments) {
     printWarning(
         "the result is not watertight, or its faces do not point outwards; this is a bug, please report it");
   timeStep(steps, "write", [&] { writeMesh(stored.path, stored.exact, stored.options); });
-  if (!arguments.stats.empty())
-    writeJson(arguments.stats, describe(arguments, grid, report, steps, stored.options));
   print(arguments, grid, report);
   const Stats::Stage slowest = slowestStep(steps);
   std::printf("time: %.1f s", millisecondsSince(start) / 1000.0);
@@ -121,7 +116,17 @@ void run(RepairArguments& arguments) {
     std::printf("; the longest step, %s, took %.1f s", slowest.name.c_str(), slowest.milliseconds / 1000.0);
   std::printf("\n");
   printWritten(stored.path, stored.options);
-  if (!arguments.stats.empty()) printWritten(arguments.stats);
+  return {.done = wordFor(report),
+          .trianglesBefore = report.before.triangles,
+          .trianglesAfter = report.after.triangles,
+          .volume = report.after.signedVolume,
+          .figures = describe(arguments, grid, report, steps, stored.options)};
+}
+
+void run(RepairArguments& arguments) {
+  finishFieldArguments(arguments);
+  checkSimplification(arguments.repair.tolerance, arguments.repair.triangles);
+  runOnEach(arguments, repairOne);
 }
 
 }  // namespace

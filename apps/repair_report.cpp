@@ -90,7 +90,7 @@ void printMended(const RepairReport& report, const std::optional<double>& base) 
 void printKept(const RepairReport& report) {
   if (report.simplified.tolerance > 0.0)
     std::printf("its own faces are simplified, as nothing else is wrong with it; --remesh makes new ones\n");
-  else if (report.cleanedFaces + report.closingFaces == 0 && report.stats.turnedFaces.empty())
+  else if (wordFor(report) == std::string_view("kept"))
     std::printf("kept as it is, because nothing is wrong with it; --remesh makes new faces\n");
 }
 
@@ -122,12 +122,20 @@ Json describe(const RepairArguments& arguments, const Grid& grid, const RepairRe
               {"remesh", arguments.repair.remesh},
               {"unit", unit ? Json(nameOf(*unit)) : Json()},
               {"scale", arguments.units.scale},
+              {"height", arguments.units.height ? Json(*arguments.units.height) : Json()},
+              {"fit", arguments.units.fit.empty() ? Json() : Json(arguments.units.fit)},
               {"up", arguments.units.up.empty() ? Json() : Json(arguments.units.up)}}},
             {"file_offset", toJson(written.offset)},
             {"steps", toJson(steps)},
             {"slowest_step", slowestStep(steps).name}};
   json.update(toJson(report));
   return json;
+}
+
+const char* wordFor(const RepairReport& report) {
+  if (!report.kept) return "remade";
+  if (report.simplified.tolerance > 0.0) return "simplified";
+  return report.cleanedFaces + report.closingFaces + report.stats.turnedFaces.size() > 0 ? "mended" : "kept";
 }
 
 void print(const RepairArguments& arguments, const RepairGrid& grid, const RepairReport& report) {

@@ -4,7 +4,7 @@
 #include <cstdio>
 #include <optional>
 
-#include "checks.h"
+#include "batch.h"
 #include "commands.h"
 #include "field_options.h"
 #include "mesh_output.h"
@@ -30,6 +30,7 @@ mesh watertight, and takes the same options.)";
 
 struct SimplifyArguments {
   StreamFormat format;
+  std::vector<std::filesystem::path> meshes;
   std::filesystem::path mesh, result, stats;
   MeshUnits units;
   MachineOptions machine;
@@ -58,13 +59,7 @@ void printCounts(const SimplifyReport& report) {
                 grouped(report.trianglesBefore).c_str(), report.deviation, report.tolerance);
 }
 
-void run(SimplifyArguments& arguments) {
-  if (!arguments.tolerance && arguments.triangles == 0)
-    throw Error(ErrorCode::Usage, "add --triangles N, --tolerance LENGTH or both: they say how far to go");
-  checkSimplification(arguments.tolerance, arguments.triangles);
-  const std::vector<Output> outputs{{"--output", arguments.result, writableMeshExtensions()},
-                                    {"--stats", arguments.stats, {".json"}}};
-  prepareFiles(arguments.format, {{arguments.mesh, meshExtensions()}}, outputs);
+Outcome simplifyOne(SimplifyArguments& arguments) {
   const std::filesystem::path input = named(arguments.mesh, arguments.format.input),
                               output = named(arguments.result, arguments.format.output);
   checkMeshUnits(arguments.units, output);
@@ -83,10 +78,20 @@ void run(SimplifyArguments& arguments) {
                                        .format = arguments.format.output});
   checkStored(stored);
   writeMesh(stored.path, stored.exact, stored.options);
-  if (!arguments.stats.empty()) writeJson(arguments.stats, describe(arguments, report, stored));
   printCounts(report);
   printWritten(stored.path, stored.options);
-  if (!arguments.stats.empty()) printWritten(arguments.stats);
+  return {.done = report.tolerance == 0.0 ? "kept" : "simplified",
+          .trianglesBefore = report.trianglesBefore,
+          .trianglesAfter = report.trianglesAfter,
+          .volume = {},
+          .figures = describe(arguments, report, stored)};
+}
+
+void run(SimplifyArguments& arguments) {
+  if (!arguments.tolerance && arguments.triangles == 0)
+    throw Error(ErrorCode::Usage, "add --triangles N, --tolerance LENGTH or both: they say how far to go");
+  checkSimplification(arguments.tolerance, arguments.triangles);
+  runOnEach(arguments, simplifyOne);
 }
 
 }  // namespace

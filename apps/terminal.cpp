@@ -64,6 +64,7 @@ bool isPipeIgnored = false;  // Whether the program was started to ignore SIGPIP
 TextLevel textLevel = TextLevel::Normal;
 bool isTextKept = false;
 std::optional<ProgressStyle> askedStyle;
+std::string subject;  // What warnings and errors are about, with a colon; empty if they say it.
 const auto kStartTime = Clock::now();
 
 /// Ends the program as a closed pipe ends other tools; returns if it was started to ignore that.
@@ -85,6 +86,10 @@ void rename(std::string& text, const std::string& path, std::string_view name) {
     if (isWord) text.replace(at, path.size(), name);
     at += isWord ? name.size() : path.size();
   }
+}
+
+std::string withSubject(const std::string& message) {
+  return withDisplayNames((message.starts_with(subject) ? "" : subject) + message);
 }
 
 /// Returns the one printer of the program.
@@ -186,12 +191,16 @@ std::string quoted(const std::string& argument) {
   return printable(words) + "'";
 }
 
+void setSubject(const std::filesystem::path& file) {
+  subject = file.empty() ? "" : file.string() + ": ";
+}
+
 void printWarning(std::string_view message) {
-  printer().interrupt("raymap: warning: " + withDisplayNames(std::string(message)));
+  printer().interrupt("raymap: warning: " + withSubject(std::string(message)));
 }
 
 void printError(const std::string& message) {
-  printer().interrupt("raymap: error: " + withDisplayNames(message));
+  printer().interrupt("raymap: error: " + withSubject(message));
 }
 
 void printNote(const std::string& line) {

@@ -27,6 +27,10 @@ std::string printable(std::string_view text);
 /// Returns an argument as a shell takes it; as bash does, if it has control characters.
 std::string quoted(const std::string& argument);
 
+/// Names the file that warnings and errors are about from now on. They begin with it; an
+/// empty path: none.
+void setSubject(const std::filesystem::path& file);
+
 /// Prints `raymap: warning: ...` on stderr.
 void printWarning(std::string_view message);
 

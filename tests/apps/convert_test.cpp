@@ -55,6 +55,55 @@ TEST_F(CliConvert, ConvertsUnitsScaleAndAxis) {
       "converts them\n");
 }
 
+TEST_F(CliConvert, ScalesToAHeightOrIntoABox) {
+  writeMesh(path("box.ply"), shapes::box(glm::dvec3(1.0), glm::dvec3(3, 4, 6)));  // 2 x 3 x 5.
+  const auto expectSize = [&](const std::string& arguments, const glm::dvec3& size, const std::string& said) {
+    const std::string text = succeed("convert box.ply " + arguments).out;
+    EXPECT_NE(("\n" + text).find("\nscaled by " + said + "\n"), std::string::npos) << text;
+    const Box box = bounds(readMesh(path(arguments.substr(0, arguments.find(' ')))));
+    for (int axis = 0; axis < 3; ++axis) EXPECT_NEAR(box.size()[axis], size[axis], 1e-4) << arguments;
+  };
+  expectSize("a.stl --height 80", {32, 48, 80}, "16 to a height of 80");
+  expectSize("a.stl --height 80 --up y", {160.0 / 3, 400.0 / 3, 80}, "26.6666667 to a height of 80");
+  expectSize("a.stl --height 80 --rotate 0 90 0", {200, 120, 80}, "40 to a height of 80");
+  expectSize("a.glb --height 6", {4, 6, 10}, "2 to a height of 6");
+  expectSize("a.glb --height 6 --up z", {2.4, 6, 3.6}, "1.2 to a height of 6");
+  expectSize("a.stl --height 254 --from in --to mm", {101.6, 152.4, 254}, "2 to a height of 254");
+  expectSize("a.stl --fit 4 60 60", {4, 6, 10}, "2 to fit into 4 x 60 x 60");
+  expectSize("a.stl --fit 60,60,2.5", {1, 1.5, 2.5}, "0.5 to fit into 60 x 60 x 2.5");
+  succeed("convert box.ply b.stl --scale 16 -q");
+  succeed("convert box.ply a.stl --height 80 -q");
+  EXPECT_EQ(readBytes(path("a.stl")), readBytes(path("b.stl")));
+  const auto heightAlong = [&](const std::string& options, int axis) {
+    const Result info = run("info box.ply --json --height 30 " + options);
+    EXPECT_EQ(info.err.rfind("scaled by ", 0), 0u) << info.err;
+    const Json box = Json::parse(info.out)["bounds"];
+    return box[1][axis].get<double>() - box[0][axis].get<double>();
+  };
+  EXPECT_NEAR(heightAlong("", 2), 30.0, 1e-4);
+  EXPECT_NEAR(heightAlong("--up y", 1), 30.0, 1e-4);
+}
+
+TEST_F(CliConvert, RefusesHeightsThatMeanNothing) {
+  const std::vector<glm::dvec3> corners{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+  writeMesh(path("sheet.ply"), makeMesh(corners, std::vector<glm::uvec3>{{0, 1, 2}}));
+  expectFailure("convert sheet.ply a.stl --height 3", ErrorCode::Input,
+                "sheet.ply: the mesh cannot be scaled to a height of 3: it has no extent along the axis that "
+                "is up");
+  succeed("convert sheet.ply a.stl --fit 3 4 5");
+  EXPECT_EQ(bounds(readMesh(path("a.stl"))).size(), glm::dvec3(3, 3, 0));
+  const auto usage = ErrorCode::Usage;
+  expectFailure("convert sheet.ply b.stl --height 0", usage, "--height: must be a number above 0, not 0");
+  expectFailure("convert sheet.ply b.stl --fit 1 -1 1", usage, "--fit: must be a number above 0, not -1");
+  expectFailure("convert sheet.ply b.stl --height 3 --scale 2", usage, "cannot be used together");
+  expectFailure("convert sheet.ply b.stl --height 3 --fit 1 1 1", usage, "cannot be used together");
+  expectFailure("render sheet.ply sheet.ply -o b.png --height 3", usage, "leave the other out");
+  writeTorus();
+  succeed("generate torus.ply -o f.nrrd --resolution 12 --device cpu --fit 1 1 1");
+  EXPECT_NEAR(readField(path("f.nrrd")).surfaceBounds.size().x, 1.0, 1e-5);
+  expectFailure("convert f.nrrd g.nrrd --height 3", usage, "f.nrrd is a field; use --scale");
+}
+
 TEST_F(CliConvert, RefusesUnitsThatMeanNothing) {
   writeMesh(path("box.ply"), shapes::box(glm::dvec3(0.0), glm::dvec3(1.0)));
   expectFailure("convert box.ply a.3mf --unit furlong", ErrorCode::Usage,

@@ -79,7 +79,8 @@ TEST_F(CliOptions, AreDescribedAlikeInEveryCommand) {
                       "devices"});
   expectIn("--overwrite", {"generate", "info", "query", "sample", "mesh", "render", "repair", "simplify",
                            "compare", "convert"});
-  for (const char* option : {"--unit", "--from", "--to", "--scale", "--rotate", "--translate"})
+  for (const char* option :
+       {"--unit", "--from", "--to", "--scale", "--height", "--fit", "--rotate", "--translate"})
     expectIn(option, {"generate", "info", "check", "query", "sample", "mesh", "render", "repair", "simplify",
                       "convert"});
   expectIn("--up", {"info", "mesh", "render", "view", "repair", "simplify", "convert"});
@@ -96,19 +97,20 @@ TEST_F(CliOptions, AreDescribedAlikeInEveryCommand) {
 }
 
 TEST_F(CliOptions, SayWhatEachCommandWrites) {
-  const std::string meshes = "Mesh to write: .ply, .obj, .stl, .glb or .3mf";
+  const std::string meshes = "Mesh to write: .ply, .obj, .stl, .glb or .3mf",
+                    folder = "; or a folder, for a mesh of each input, with its name";
   const std::map<std::string, std::string> texts{
       {"generate", "Field to write: .nrrd, .npy, .npz, .vti, .vdb or .nvdb"},
       {"query", "Results to write: .csv, .npy, .npz or .ply"},
       {"sample", "Points to write: .npz, .csv or .ply"},
       {"mesh", meshes},
-      {"repair", meshes},
-      {"simplify", meshes},
+      {"repair", meshes + folder},
+      {"simplify", meshes + folder},
       {"render", "Picture to write: .png; or a page: .html; of --frames, also a movie: .mp4"},
       {"compare", "Picture of the differences to write: .png"},
       {"convert",
        "File to write. Of a field: .nrrd, .npy, .npz, .vti, .vdb or .nvdb. Of a mesh: .ply, .obj, .stl, .glb "
-       "or .3mf"},
+       "or .3mf. Or a folder, for a file of each input, with its name"},
       {"example", "Mesh to write: .ply"},
       {"completion", "Script to write; without it, it is printed"},
       {"manual", "Page to write; without it, it is printed. In a folder it is raymap.1 or raymap-COMMAND.1"}};
