@@ -104,8 +104,9 @@ std::string describeThickness(const MeshView& mesh, const Verdict& verdict, cons
   const std::string samples =
       voxels + ": " + rounded(n.x) + " x " + rounded(n.y) + " x " + rounded(n.z) + " samples";
   if (isKept) return part + "A repair chooses what keeps it, " + samples + ".";
-  return part + "To keep it as it is would take " + samples + ". A repair takes " + samplesAlong(grid) +
-         ", and makes what is thinner " + rounded(kThinnestWall * grid.spacing) + " thick.";
+  return part + "To keep it as it is would take " + samples + ". A repair that must make new faces takes " +
+         samplesAlong(grid) + ", and makes what is thinner " + rounded(kThinnestWall * grid.spacing) +
+         " thick.";
 }
 
 }  // namespace raymap

@@ -69,7 +69,7 @@ TEST_F(CliInfo, EndsInformationWithAVerdict) {
   EXPECT_EQ(slab(0.001),
             "This is a clean solid, with nothing wrong.\nIts thinnest part is about 0.001 thick. To "
             "keep it as it is would take --voxel-size 0.0005: 24,000 x 24,000 x 4,002 samples. A repair "
-            "takes 256 samples, and makes what is thinner 0.082 thick.\n");
+            "that must make new faces takes 256 samples, and makes what is thinner 0.082 thick.\n");
   EXPECT_EQ(verdict(two, " --fast"),
             "This is 2 clean, separate solids, with nothing wrong. Faces that cross and parts that overlap "
             "were not looked for (--fast).\n");
@@ -100,7 +100,8 @@ TEST_F(CliInfo, NamesTheGridThatARepairTakes) {
   const RepairGrid grid = fitRepairGrid(readMesh(path("soup.ply")));
   EXPECT_EQ(std::max({grid.dims.x, grid.dims.y, grid.dims.z}), 128);
   std::array<char, 120> said{};
-  std::snprintf(said.data(), said.size(), "A repair takes 128 samples, and makes what is thinner %.3g thick.",
+  std::snprintf(said.data(), said.size(),
+                "A repair that must make new faces takes 128 samples, and makes what is thinner %.3g thick.",
                 1.75 * grid.spacing);
   EXPECT_NE(text.find(said.data()), std::string::npos) << text << said.data();
 }
