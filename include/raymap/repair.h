@@ -199,8 +199,8 @@ RAYMAP_API std::string describeThickness(const MeshView& mesh, const Verdict& ve
 /// Returns a watertight solid in place of any mesh: the isosurface of its field on `grid`, which must hold
 /// the result. Keeps the faces of a mesh with nothing wrong that needs no change; also of one in which
 /// leaving out degenerate and repeated faces, turning faces back, and with `closeHoles` filling holes, leaves
-/// nothing wrong. Else fills what a plane
-/// closes before it makes the field; deviations are then measured from the mesh with these faces.
+/// nothing wrong. Else fills what a plane closes before it makes the field; deviations are then measured from
+/// the mesh with these faces.
 ///
 /// `options` say how distance and sign are found. All of `machine` is used, `device` for the fields. Throws
 /// `Error` as `generate` and `isosurface` do. Usage also for options that make no sense for a solid: no sign,

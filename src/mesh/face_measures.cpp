@@ -8,10 +8,6 @@ namespace {
 
 constexpr double kDegenerateHeight = 1e-6;  // Share of the longest edge.
 
-bool hasRepeatedCorner(const glm::uvec3& face) {
-  return face.x == face.y || face.y == face.z || face.z == face.x;
-}
-
 /// Returns whether the triangle's height is below `kDegenerateHeight`. The height over the longest edge is
 /// twice the area over that edge's length.
 bool isFlat(const std::array<glm::dvec3, 3>& corners, double doubleArea) {

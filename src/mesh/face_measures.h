@@ -10,6 +10,10 @@
 
 namespace raymap {
 
+inline bool hasRepeatedCorner(const glm::uvec3& face) {
+  return face.x == face.y || face.y == face.z || face.z == face.x;
+}
+
 /// Area and volume of a face, and what is wrong with it. The volume is that of the tetrahedron from a centre.
 struct FaceMeasure {
   double area = 0.0, volume = 0.0;

@@ -17,10 +17,6 @@ namespace {
 
 constexpr double kShortEdge = 1e-6;  // Share of the face's longest edge.
 
-bool hasRepeatedCorner(const glm::uvec3& t) {
-  return t.x == t.y || t.y == t.z || t.z == t.x;
-}
-
 /// Leaves out the faces that are marked.
 void leaveOut(const std::vector<bool>& isLeftOut, CleanedFaces& cleaned) {
   size_t kept = 0;
