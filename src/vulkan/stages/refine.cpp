@@ -17,8 +17,8 @@
 namespace raymap::vulkan {
 
 namespace {
-/// Dispatches over the crowded samples. Each costs time even if it is empty. Grids of so many samples that a
-/// dispatch has more than kMostGroups fit on fast devices only.
+/// Dispatches over the crowded samples, at most: each costs time even if it is empty. In grids of more than
+/// 2^18 samples one may therefore have more than kMostGroups groups.
 constexpr uint32_t kMostCrowdedDispatches = 8;
 }  // namespace
 
