@@ -16,12 +16,12 @@
 
 namespace raymap {
 
-/// What became of a mesh.
+/// Result of a job, for the table and the figures.
 struct Outcome {
   std::string done;  ///< "kept", for example.
   size_t trianglesBefore = 0, trianglesAfter = 0;
   std::optional<double> volume;
-  Json figures;  ///< What --stats writes.
+  Json figures;  ///< Figures that --stats writes.
 };
 
 /// A mesh to read, and the file to make of it.

@@ -24,7 +24,7 @@ struct ExitCode : std::exception {
 /// Returns the exit code of an error, as docs/cli.md lists it.
 int exitCodeOf(ErrorCode code);
 
-/// What the program says of an exception.
+/// Message and exit code for an exception.
 struct Failure {
   int code;               ///< Exit code.
   std::string_view kind;  ///< Name of the kind of error.

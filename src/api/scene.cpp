@@ -174,8 +174,8 @@ Answer answerAt(const FieldShape&, const BodyAnswers& answers, size_t i, const g
 /// Points of one configuration that are asked about together.
 struct Cell {
   uint32_t begin, end;
-  const glm::dmat4* poses;            ///< Of all bodies.
-  Box box = {};                       ///< Of its points. Points that are not finite count nowhere.
+  const glm::dmat4* poses;            ///< Poses of all bodies.
+  Box box = {};                       ///< Box of its points, but for those that are not finite.
   double most = INFINITY;             ///< Largest distance that was found at its points so far.
   std::vector<uint32_t> bodies = {};  ///< Those that may be nearer at one of them, if there is a choice.
 };
