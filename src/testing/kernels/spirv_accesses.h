@@ -15,7 +15,7 @@ struct Access {
   /// variable's id in the shader. Bits 48 and 49 hold the kind, bit 50 is set for shared memory, those above
   /// hold the number of words.
   uint64_t what;
-  uint32_t who;  ///< Group from bit 18 on, subgroup from bit 10 on, then the index in the group.
+  uint32_t who;  ///< Group modulo 2^14 from bit 18 on, subgroup from bit 10 on, then the index in the group.
   /// Barriers before it that order this kind of memory: those of the group from bit 16 on, below them those
   /// of the subgroup and of the group.
   uint32_t phases;
