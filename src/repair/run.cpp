@@ -5,15 +5,16 @@
 #include <iterator>
 #include <utility>
 
+#include "api/field_warnings.h"
+#include "repair/solid/solid_band.h"
+
 namespace raymap {
 
 namespace {
 
-/// Returns the band of samples around the surface that a repair reads; 0 = all samples. Hollows read how deep
-/// the samples lie. Where holes stay open, the sign jumps between samples that are far from the surface.
+/// Returns the width of the band of samples around the surface that a repair reads, in samples.
 double neededBand(const Grid& grid, const RepairOptions& repair) {
   constexpr double kBeside = 4.0;  // The isosurface and thin parts read samples beside the moved surface.
-  if (repair.shell > 0.0 || !repair.closeHoles) return 0.0;
   return kBeside + std::abs(repair.offset) / grid.spacing;
 }
 
@@ -55,16 +56,54 @@ RepairRun::RepairRun(const MeshView& mesh, const Grid& lattice, const FieldOptio
   };
 }
 
+/// Returns whether the field needs all of its samples: hollows read how deep samples lie. Only a dense field
+/// is made on a GPU, and has other signs and distances than the default.
+bool RepairRun::needsAllSamples() const {
+  return options.shell > 0.0 || fieldOptions.sign != SignMode::Harmonic ||
+         fieldOptions.distance != DistanceMode::Exact || machine.device.starts_with("vulkan");
+}
+
 void RepairRun::makeSolid() {
-  FieldOptions how = fieldOptions;
-  how.closeHoles = options.closeHoles;
-  how.band = neededBand(grid, options);
+  if (needsAllSamples()) {
+    FieldOptions how = fieldOptions;
+    how.closeHoles = options.closeHoles;
+    // Where holes stay open, the sign jumps between samples that are far from the surface.
+    how.band = options.shell > 0.0 || !options.closeHoles ? 0.0 : neededBand(grid, options);
+    makeDense(how);
+  } else {
+    makeBand();
+  }
+  for (float& d : solid.distance) d = static_cast<float>(double(d) - options.offset);
+}
+
+void RepairRun::makeDense(const FieldOptions& how) {
   auto [field, cost] = generator_.generate(mesh(), grid, how, machine);
   turns_ = turnsOf(cost, mesh().triangles.size());
   cost.turnedFaces = allTurned(report.stats.turnedFaces, std::move(cost.turnedFaces), given.triangles.size());
   report.stats = std::move(cost);
   solid = std::move(field);
-  for (float& d : solid.distance) d = static_cast<float>(double(d) - options.offset);
+}
+
+void RepairRun::makeBand() {
+  Stats stats;
+  withThreads(machine.threads, [&] {
+    const SurfaceOptions how{.orientation = fieldOptions.orientation, .threshold = fieldOptions.threshold};
+    surface_ = cpu::prepareSurface(Model(mesh()), how, machine, progress, stats);
+    const double width = neededBand(grid, options);
+    ClosedBand closed = makeClosedBand(*surface_, grid, {.outside = width, .inside = width}, options.closeHoles,
+                                       most(), progress);
+    stats.patchTriangles = closed.patchTriangles;
+    stats.patchArea = closed.patchArea;
+    solid = std::move(closed.field);
+  });
+  stats.bytes = std::max(stats.bytes, surface_->bytes() + solid.bytes());
+  stats.stages.clear();  // They are added in the end.
+  stats.turnedFaces = allTurned(report.stats.turnedFaces, std::move(stats.turnedFaces), given.triangles.size());
+  report.stats = std::move(stats);
+  solid.narrow->outside -= options.offset;
+  solid.narrow->inside += options.offset;
+  warnOfMisfit(report.stats, machine.warn);
+  warnOfInvertedParts(report.stats, machine.warn);
 }
 
 void RepairRun::makeSolidAgain() {

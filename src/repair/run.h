@@ -7,6 +7,7 @@
 #include <optional>
 #include <vector>
 
+#include "base/memory.h"
 #include "base/parallel.h"
 #include "base/progress.h"
 #include "cpu/points/prepared_surface.h"
@@ -36,7 +37,7 @@ class RepairRun {
   Mesh& result = repaired.mesh;
   RepairReport& report = repaired.report;
   Mended mended;                 ///< The given mesh with what was certain mended; empty if that is nothing.
-  Field solid;                   ///< Its field, moved by the offset.
+  Field solid;                   ///< Its field, moved by the offset: a narrow band, but for a hollow.
   bool isCut = false;            ///< Whether the box of the samples cuts a surface off.
   Mesh dropped;                  ///< Surface of the parts that were dropped on request.
   ExpectedPoints expected;       ///< Points that the result should show.
@@ -59,8 +60,14 @@ class RepairRun {
   Field fieldOf(const MeshView& other, const FieldOptions& different);
   /// Returns the mesh prepared for points, its faces turned as in the field. Prepares it once.
   const cpu::PreparedSurface& surface();
+  /// Returns the most bytes that the repair and what is made next may hold.
+  size_t most() const { return mostMemory(machine.memoryLimit, solid.bytes()); }
 
  private:
+  bool needsAllSamples() const;
+  void makeDense(const FieldOptions& how);
+  void makeBand();
+
   Generator generator_;  // It opens the device once.
   Turns turns_;
   std::optional<cpu::PreparedSurface> surface_;

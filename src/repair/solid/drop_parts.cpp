@@ -53,7 +53,8 @@ std::vector<bool> findNeeded(RepairRun& run, const Pieces& found, const Choice& 
 }  // namespace
 
 void requireInside(const Field& solid) {
-  if (std::ranges::none_of(solid.distance, [](float d) { return d < 0.0f; }))
+  const bool hasTiles = solid.narrow && !solid.narrow->tiles.empty();
+  if (!hasTiles && std::ranges::none_of(solid.distance, [](float d) { return d < 0.0f; }))
     throw Error(ErrorCode::Input,
                 "the result is empty: the mesh encloses no volume at this resolution, or the offset removes "
                 "all of it; use more samples, or for a sheet a least thickness");

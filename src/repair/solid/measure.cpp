@@ -4,9 +4,9 @@
 #include <cmath>
 #include <span>
 
-#include "field/field_sampler.h"
 #include "mesh/triangle.h"
 #include "repair/solid/deviation.h"
+#include "repair/solid/solid_band.h"
 #include "repair/stages.h"
 
 namespace raymap {
@@ -54,7 +54,7 @@ glm::dvec3 normalOf(const PackedMesh& mesh, uint32_t face) {
 /// Moves a point of a face along the normal. Returns whether it is on the moved surface then. A face may
 /// point either way. Other parts of the surface may be closer to the moved point than the offset; then they
 /// took its place.
-bool moveToPlace(const FieldSampler& solid, const glm::dvec3& move, glm::vec3& p) {
+bool moveToPlace(const SolidSampler& solid, const glm::dvec3& move, glm::vec3& p) {
   const glm::dvec3 front = glm::dvec3(p) + move, back = glm::dvec3(p) - move;
   const double atFront = std::abs(solid.value(front)), atBack = std::abs(solid.value(back));
   p = atFront < atBack ? front : back;
@@ -141,7 +141,7 @@ void placeExpectedPoints(RepairRun& run) {
   SurfacePoints& points = expected.points = surfacePoints(mesh, run.grid, kPointStep);
   expected.areas = areasOfPoints(mesh, points);
   const double area = areaOf(expected.areas, points);
-  const FieldSampler sampler(run.solid);
+  const SolidSampler sampler(run.solid);
   const double offset = run.options.offset / run.grid.spacing;
   if (offset != 0.0)
     points.eraseIf([&](size_t i) {

@@ -14,9 +14,9 @@
 #include "base/parallel.h"
 #include "base/text.h"
 #include "cpu/points/local_thickness.h"
-#include "field/field_sampler.h"
 #include "mesh/face_points.h"
 #include "mesh/triangle.h"
+#include "repair/solid/solid_band.h"
 #include "repair/stages.h"
 
 namespace raymap {
@@ -147,8 +147,7 @@ class ThinParts {
     for (int k = low.z; k <= high.z; ++k)
       for (int j = low.y; j <= high.y; ++j)
         for (int i = low.x; i <= high.x; ++i)
-          if (solid_.distance[grid.index({i, j, k})] < 0.0f &&
-              glm::distance(at, glm::dvec3(i, j, k)) <= kSeen)
+          if (glm::distance(at, glm::dvec3(i, j, k)) <= kSeen && solid_.distanceAt({i, j, k}) < 0.0f)
             return true;
     return false;
   }
@@ -194,7 +193,7 @@ class ThinParts {
   }
 
   const Field& solid_;
-  FieldSampler sampler_;
+  SolidSampler sampler_;
   double offset_, least_;
   bool isAsked_;
   std::vector<FacePoint> points_;    // Of all parts of faces.
@@ -209,6 +208,10 @@ class ThinParts {
 void uniteWithPlates(const Mesh& middle, double thickness, RepairRun& run) {
   Field& solid = run.solid;
   if (middle.triangles.empty()) return;
+  if (solid.narrow) {
+    const double width = kBand * solid.grid.spacing;
+    return unite(solid, makePlateBand(middle, solid.grid, 0.5 * thickness, width, run.most(), run.progress));
+  }
   const Field plates = run.fieldOf(middle, {.sign = SignMode::None, .band = kBand, .thickness = thickness});
   const auto far = static_cast<float>(kBand * solid.grid.spacing);
   parallelFor(solid.distance.size(), kCheapGrain, [&](size_t begin, size_t end) {

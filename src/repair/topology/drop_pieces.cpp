@@ -96,6 +96,20 @@ void findPassages(const Grid& grid, const Mesh& surface, const glm::uvec3& trian
         passages.push_back({grid.index({0, j, k}), *x});
 }
 
+/// Sets the samples of a row from one on up to x = `end`, of a narrow band those in leaves.
+void fillRow(Field& solid, const glm::ivec3& first, int end, float value) {
+  if (!solid.narrow) {
+    for (glm::ivec3 s = first; s.x < end; ++s.x) solid.distance[solid.grid.index(s)] = value;
+    return;
+  }
+  for (glm::ivec3 s = first; s.x < end;) {
+    const std::optional<size_t> place = solid.narrow->find(s);
+    const int next = std::min(end, (s.x / NarrowBand::kLeafSide + 1) * NarrowBand::kLeafSide);
+    if (place) std::fill_n(solid.distance.data() + *place, next - s.x, value);
+    s.x = next;
+  }
+}
+
 }  // namespace
 
 Choice choosePieces(const Pieces& found, const RepairOptions& repair, bool keepsCavities,
@@ -136,10 +150,10 @@ void dropFrom(Field& solid, const Mesh& surface, const Pieces& found, const Choi
         findPassages(grid, surface, surface.triangles[f], passages);
     std::sort(passages.begin(), passages.end());
     for (size_t p = 0; p + 1 < passages.size(); p += 2) {
-      const size_t begin = passages[p].row + size_t(std::max(0.0, std::ceil(passages[p].x)));
-      const size_t last = size_t(std::clamp(std::floor(passages[p + 1].x), -1.0, grid.dims.x - 1.0) + 1.0);
-      const size_t end = passages[p].row + last;
-      for (size_t sample = begin; sample < end; ++sample) solid.distance[sample] = isCavity ? -far : far;
+      const auto row = int64_t(passages[p].row), nx = int64_t(grid.dims.x), ny = int64_t(grid.dims.y);
+      const glm::ivec3 first(std::max(0.0, std::ceil(passages[p].x)), row / nx % ny, row / (nx * ny));
+      const int end = int(std::clamp(std::floor(passages[p + 1].x), -1.0, grid.dims.x - 1.0) + 1.0);
+      fillRow(solid, first, end, isCavity ? -far : far);
     }
   }
 }

@@ -21,8 +21,8 @@ Choice choosePieces(const Pieces& found, const RepairOptions& repair, bool keeps
 /// Returns the choice of all pieces that a choice keeps.
 Choice opposite(const Choice& choice);
 
-/// Gives the samples in the dropped pieces the side of the space around them. Their distances are then far
-/// larger than all others.
+/// Gives the samples in the dropped pieces the side of the space around them, of a narrow band those in
+/// leaves. Their distances are then far larger than all others.
 void dropFrom(Field& solid, const Mesh& surface, const Pieces& found, const Choice& choice);
 
 /// Removes the faces of the dropped pieces, and the vertices that only they use.
