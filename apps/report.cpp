@@ -50,16 +50,15 @@ Stats::Stage slowestStep(const std::vector<Stats::Stage>& steps) {
 }
 
 std::string whyItTakesLong(const RepairGrid& grid) {
-  constexpr size_t kMost = size_t{kRepairResolution} * kRepairResolution * kRepairResolution;  // By default.
-  if (!grid.thinnest || !grid.keepsThinnest() || grid.sampleCount() <= kMost) return {};
+  constexpr double kMost = 2.0 * kRepairResolution * kRepairResolution;  // Of a plate, by default.
+  if (!grid.thinnest || !grid.keepsThinnest() || grid.surfaceCubes <= kMost) return {};
   const double shrink = double(kRepairResolution) / double(std::max({grid.dims.x, grid.dims.y, grid.dims.z}));
+  if (shrink >= 1.0) return {};
   std::array<char, 256> text{};
-  std::snprintf(
-      text.data(), text.size(),
-      "this takes a while: %s, because the thinnest part is %.3g thick; --resolution %d takes %.2g %% "
-      "of them, but is too coarse for that part",
-      counted(grid.sampleCount(), "sample").c_str(), *grid.thinnest, kRepairResolution,
-      100.0 * shrink * shrink * shrink);
+  std::snprintf(text.data(), text.size(),
+                "this takes a while: about %.2g cubes of samples at the surface, because the thinnest part is "
+                "%.3g thick; --resolution %d takes %.2g %% of them, but is too coarse for that part",
+                grid.surfaceCubes, *grid.thinnest, kRepairResolution, 100.0 * shrink * shrink);
   return text.data();
 }
 

@@ -18,7 +18,10 @@ namespace raymap {
 inline constexpr int kRepairResolution = 256;
 /// Thinnest wall that no samples miss, in samples. A ball of diameter 1.732 holds one wherever it lies.
 inline constexpr double kThinnestWall = 1.75;
-/// Most samples that `fitRepairGrid` chooses by itself: they take a few gigabytes.
+/// Most cubes between samples that `fitRepairGrid` lets the surface pass when it chooses by itself: about the
+/// area over the square of the spacing. Each becomes two triangles before they are simplified.
+inline constexpr size_t kMostRepairCubes = size_t{1} << 19;
+/// Most samples that it chooses for a hollow solid, whose field has all of them.
 inline constexpr size_t kMostRepairSamples = size_t{1} << 26;
 
 /// How to change a mesh beside closing it. Lengths are in the mesh's units.
@@ -170,6 +173,7 @@ struct RepairGrid : Grid {
   /// Thickness of the mesh's thinnest part (`Verdict::thinnest`). Nothing if it is at least two samples of
   /// `kRepairResolution`, or was not measured.
   std::optional<double> thinnest = {};
+  double surfaceCubes = 0.0;  ///< Cubes between samples that the mesh's surface passes, estimated by its area.
 
   /// Returns whether the samples are dense enough for that part: without plates in its place.
   bool keepsThinnest() const { return !thinnest || spacing <= 0.5 * *thinnest; }
@@ -180,8 +184,8 @@ struct RepairGrid : Grid {
 /// `thickness`.
 ///
 /// Covers the base, too. Without a resolution or a voxel size, it has `kRepairResolution` samples along its
-/// longest side. They are as dense as two to the thinnest part if that takes at most `kMostRepairSamples`,
-/// and memory for them is within `machine.memoryLimit`. A soup of faces (`MeshKind::Soup`) has 128 samples
+/// longest side. They are as dense as two to the thinnest part if that takes at most `kMostRepairCubes`, at
+/// most `kMostRepairSamples` with a shell or on a GPU, and memory within `machine.memoryLimit`. A soup of faces (`MeshKind::Soup`) has 128 samples
 /// along its longest side. Uses `machine` and throws `Error` as `fitGrid` and `judge` do.
 RAYMAP_API RepairGrid fitRepairGrid(const MeshView& mesh, const GridOptions& options = {},
                                     const RepairOptions& repair = {}, const MachineOptions& machine = {});

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <span>
@@ -13,6 +14,9 @@ namespace raymap {
 inline bool hasRepeatedCorner(const glm::uvec3& face) {
   return face.x == face.y || face.y == face.z || face.z == face.x;
 }
+
+/// Returns whether a triangle is lower than 1e-6 of its longest edge.
+bool isFlat(const std::array<glm::dvec3, 3>& corners);
 
 /// Area and volume of a face, and what is wrong with it. The volume is that of the tetrahedron from a centre.
 struct FaceMeasure {

@@ -10,8 +10,7 @@
 
 namespace raymap {
 
-void checkOptions(const Grid& grid, const FieldOptions& options) {
-  validateGrid(grid);
+void checkOptions(const FieldOptions& options) {
   requireKnown(options.distance, DistanceMode::Raster, "distance mode");
   requireKnown(options.sign, SignMode::None, "sign mode");
   requireKnown(options.sampling, Sampling::Paper, "sampling");
@@ -28,6 +27,11 @@ void checkOptions(const Grid& grid, const FieldOptions& options) {
           "a thickness takes the place of the sign: leave out winding, confidence and closing holes");
   require(!options.triangle || options.distance != DistanceMode::Raster,
           "the raster distance does not find closest triangles; use another distance");
+}
+
+void checkOptions(const Grid& grid, const FieldOptions& options) {
+  validateGrid(grid);
+  checkOptions(options);
   require(grid.sampleCount() < kNoTriangle,
           "the grid has " + std::to_string(grid.sampleCount()) +
               " samples; at most 4294967294 can be numbered, use a lower resolution");

@@ -6,6 +6,7 @@
 
 #include "base/require.h"
 #include "base/text.h"
+#include "field/field_sampler.h"
 #include "method/check_options.h"
 #include "method/stage_times.h"
 #include "repair/pipeline.h"
@@ -61,7 +62,8 @@ void check(const Grid& grid, const RepairOptions& repair) {
 
 Repaired repair(const MeshView& mesh, const Grid& grid, const FieldOptions& options,
                 const RepairOptions& repair, const MachineOptions& machine) {
-  checkOptions(grid, options);
+  validateGrid(grid);
+  checkOptions(options);
   check(options);
   check(grid, repair);
   RepairRun run(mesh, grid, options, repair, machine);

@@ -9,6 +9,8 @@
 #include "base/require.h"
 #include "base/text.h"
 #include "measure/thinnest.h"
+#include "mesh/model.h"
+#include "mesh/triangle.h"
 #include "repair/stages.h"
 
 namespace raymap {
@@ -17,7 +19,10 @@ namespace {
 
 // Samples along the longest side of a soup of faces. Its surface is mostly what closes the gaps.
 constexpr int kSoupResolution = 128;
-constexpr size_t kBytesPerSample = 64;  // Memory of a repair, which is at most about this much.
+// Memory of a repair, which is at most about this much: of each sample if all are needed, else of each cube.
+constexpr size_t kBytesPerSample = 64, kBytesPerCube = 1024;
+// An isosurface with more samples along a side loses the precision of its vertices.
+constexpr int kMostAlongSide = 1 << 14;
 
 /// Returns the bounds of a mesh, extended to the base that it is joined to.
 Box boundsWithBase(const MeshView& mesh, const RepairOptions& repair) {
@@ -47,16 +52,31 @@ std::string samplesAlong(const Grid& grid) {
   return std::to_string(std::max({grid.dims.x, grid.dims.y, grid.dims.z})) + " samples";
 }
 
+/// Returns about how many samples a grid that covers a box by default has along each side.
+glm::dvec3 samplesFor(const Box& box, double voxelSize) {
+  const glm::dvec3 size = box.size();
+  const double padding = 2.0 * GridOptions{}.padding * std::max({size.x, size.y, size.z});
+  return (size + padding) / voxelSize;
+}
+
 bool isChosen(const GridOptions& options) {
   return options.resolution || options.voxelSize > 0.0;
 }
 
 }  // namespace
 
-glm::dvec3 samplesFor(const Box& box, double voxelSize) {
-  const glm::dvec3 size = box.size();
-  const double padding = 2.0 * GridOptions{}.padding * std::max({size.x, size.y, size.z});
-  return (size + padding) / voxelSize;
+bool needsAllSamples(const RepairOptions& repair, const MachineOptions& machine) {
+  return repair.shell > 0.0 || machine.device.starts_with("vulkan");
+}
+
+double surfaceCubes(const MeshView& mesh, double spacing) {
+  const Model packed(mesh);
+  double area = 0.0;
+  for (const glm::uvec3& face : packed.triangles) {
+    const auto [a, b, c] = packed.corners(face);
+    area += triangleArea(a, b, c);
+  }
+  return area / (spacing * spacing);
 }
 
 RepairGrid chooseRepairGrid(const MeshView& mesh, const Verdict& verdict, const GridOptions& options,
@@ -65,14 +85,23 @@ RepairGrid chooseRepairGrid(const MeshView& mesh, const Verdict& verdict, const 
   const bool isSoup = verdict.kind == MeshKind::Soup;
   if (!isChosen(options) && isSoup) covering.resolution = kSoupResolution;
   const Box box = boundsWithBase(mesh, repair);
-  RepairGrid grid{box.isEmpty() ? fitGrid(mesh, covering) : fitGrid(box, covering)};
+  const auto fit = [&] { return box.isEmpty() ? fitGrid(mesh, covering) : fitGrid(box, covering); };
+  RepairGrid grid{fit()};
+  grid.surfaceCubes = surfaceCubes(mesh, grid.spacing);
   if (isChosen(options) || isSoup || !verdict.voxelSize || *verdict.voxelSize >= grid.spacing) return grid;
   grid.thinnest = std::max(*verdict.thinnest, 2.0 * *verdict.voxelSize);  // But for rounding.
   covering.voxelSize = *verdict.voxelSize;
-  const glm::dvec3 dims = grid.spacing / covering.voxelSize * glm::dvec3(grid.dims);
+  const double finer = grid.spacing / covering.voxelSize, cubes = finer * finer * grid.surfaceCubes;
+  const double samples = finer * finer * finer * double(grid.sampleCount());
   const size_t memory = machine.memoryLimit > 0 ? mostMemory(machine.memoryLimit) : SIZE_MAX;
-  if (dims.x * dims.y * dims.z <= double(std::min(memory / kBytesPerSample, kMostRepairSamples)))
-    static_cast<Grid&>(grid) = fitGrid(box, covering);
+  const bool areFew =
+      needsAllSamples(repair, machine)
+          ? samples <= double(std::min(memory / kBytesPerSample, kMostRepairSamples))
+          : cubes <= double(std::min(memory / kBytesPerCube, kMostRepairCubes)) &&
+                finer * std::max({grid.dims.x, grid.dims.y, grid.dims.z}) <= double(kMostAlongSide);
+  if (!areFew) return grid;
+  static_cast<Grid&>(grid) = fit();
+  grid.surfaceCubes = cubes;
   return grid;
 }
 

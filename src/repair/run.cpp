@@ -7,6 +7,7 @@
 
 #include "api/field_warnings.h"
 #include "repair/solid/solid_band.h"
+#include "repair/stages.h"
 
 namespace raymap {
 
@@ -56,15 +57,9 @@ RepairRun::RepairRun(const MeshView& mesh, const Grid& lattice, const FieldOptio
   };
 }
 
-/// Returns whether the field needs all of its samples: hollows read how deep samples lie. Only a dense field
-/// is made on a GPU, and has other signs and distances than the default.
-bool RepairRun::needsAllSamples() const {
-  return options.shell > 0.0 || fieldOptions.sign != SignMode::Harmonic ||
-         fieldOptions.distance != DistanceMode::Exact || machine.device.starts_with("vulkan");
-}
-
 void RepairRun::makeSolid() {
-  if (needsAllSamples()) {
+  if (needsAllSamples(options, machine) || fieldOptions.sign != SignMode::Harmonic ||
+      fieldOptions.distance != DistanceMode::Exact) {
     FieldOptions how = fieldOptions;
     how.closeHoles = options.closeHoles;
     // Where holes stay open, the sign jumps between samples that are far from the surface.

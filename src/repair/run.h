@@ -64,7 +64,6 @@ class RepairRun {
   size_t most() const { return mostMemory(machine.memoryLimit, solid.bytes()); }
 
  private:
-  bool needsAllSamples() const;
   void makeDense(const FieldOptions& how);
   void makeBand();
 

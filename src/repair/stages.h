@@ -53,7 +53,12 @@ void warnOfLoss(const Loss& loss, const RepairOptions& repair, const WarningCall
 void inspect(const Model& mesh, Diagnostics& found, SelfIntersections& crossing, Arrangement& arrangement);
 /// Throws `Error(Input)` if no part of a surface is left.
 void requireParts(const Mesh& surface);
-/// Returns about how many samples a grid that covers a box by default has along each side.
-glm::dvec3 samplesFor(const Box& box, double voxelSize);
+/// Returns about how many cubes between samples a mesh's surface passes.
+double surfaceCubes(const MeshView& mesh, double spacing);
+/// Most cubes of a grid that a warning recommends. It takes a few gigabytes.
+inline constexpr double kMostAdvisedCubes = 8.0 * double(kMostRepairCubes);
+/// Returns whether a field needs all of its samples: hollows read how deep samples lie, and a GPU makes no
+/// other fields.
+bool needsAllSamples(const RepairOptions& repair, const MachineOptions& machine);
 
 }  // namespace raymap

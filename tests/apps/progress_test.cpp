@@ -182,8 +182,8 @@ TEST_F(CliProgress, TellsBeforehandWhyARepairTakesLong) {
       "mkfifo p; $R repair plate.ply -o o.ply --remesh --device cpu >p & read -r line <p\n"
       "kill %1; wait; echo \"$line\"");
   EXPECT_EQ(result.out,
-            "this takes a while: 36,720,000 samples, because the thinnest part is 0.004 thick; "
-            "--resolution 256 takes 7.8 % of them, but is too coarse for that part\n");
+            "this takes a while: about 5e+05 cubes of samples at the surface, because the thinnest part is "
+            "0.004 thick; --resolution 256 takes 18 % of them, but is too coarse for that part\n");
 }
 
 }  // namespace

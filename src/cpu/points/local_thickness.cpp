@@ -7,12 +7,13 @@
 #include "cpu/points/local_thickness.h"
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 #include <glm/gtc/constants.hpp>
 
 #include "base/parallel.h"
 #include "cpu/points/near_surface.h"
+#include "cpu/points/point_cells.h"
+#include "cpu/points/point_winding.h"
 #include "cpu/points/ray_hits.h"
 #include "cpu/points/segment_crossings.h"
 #include "mesh/triangle.h"
@@ -35,10 +36,11 @@ constexpr double kFree = 0.75;
 /// Walls that meet at less than this angle do not run out to an edge.
 const double kLeastEdgeSine = std::sin(glm::radians(5.0));
 
-/// Shares of the longest ray that are searched one after another.
-constexpr double kReaches[] = {1.0 / 64.0, 1.0 / 16.0, 0.25, 1.0};
+/// Rays are searched in parts, each this many times as long as the one before. The first is as many cells
+/// long.
+constexpr double kLonger = 4.0, kFirstReach = 0.5;
 
-constexpr size_t kPointsPerTask = 1024, kPointsPerQuery = size_t{1} << 18;
+constexpr size_t kPointsPerTask = 1024;
 
 class LocalThickness {
  public:
@@ -62,9 +64,8 @@ class LocalThickness {
   }
 
   /// Measures a point between two winding numbers, in front of its face and behind it.
-  Thickness measure(const FacePoint& point, float front, float back) {
+  Thickness measure(const FacePoint& point, double front, double back) {
     const glm::dvec3 n = normal(point.triangle);
-    if (n == glm::dvec3(0.0)) return {Part::Corner, INFINITY, glm::vec3(0.0f)};
     const bool isFrontInside = isInside(front), isBackInside = isInside(back);
     if (isFrontInside && isBackInside) return {Part::Buried, INFINITY, glm::vec3(0.0f)};
     if (!isFrontInside && !isBackInside) return {Part::Sheet, 0.0f, glm::vec3(0.0f)};
@@ -87,26 +88,25 @@ class LocalThickness {
  private:
   bool isInside(double winding) const { return std::abs(winding) > surface_.threshold; }
 
-  glm::vec3 toCells(const glm::dvec3& p) const {
-    return glm::vec3((p + surface_.mesh.origin - surface_.grid.origin) / surface_.grid.spacing);
-  }
+  glm::vec3 cellsOf(const glm::dvec3& p) const { return toCells(surface_.grid, p + surface_.mesh.origin); }
 
   bool isFree(const glm::dvec3& centre, double radius) const {
-    return !isNearSurface(surface_.tree, toCells(centre), static_cast<float>(radius / surface_.grid.spacing));
+    return !isNearSurface(surface_.tree, cellsOf(centre), static_cast<float>(radius / surface_.grid.spacing));
   }
 
   /// Returns where a ray that begins inside leaves the solid, or null. Most rays are short.
   const RayHit* findExit(const glm::dvec3& p, const glm::dvec3& direction, double winding) {
     // A ball of diameter `reach_` touches planes that lie this much farther along the ray.
     const double reach = reach_ * 0.5 * (1.0 + 1.0 / kLeastCosine) + beside_;
-    for (const double share : kReaches)
-      if (const RayHit* exit = findExitWithin(p, direction, winding, share * reach)) return exit;
-    return nullptr;
+    for (double length = kFirstReach * surface_.grid.spacing;; length *= kLonger) {
+      const RayHit* exit = findExitWithin(p, direction, winding, std::min(length, reach));
+      if (exit || length >= reach) return exit;
+    }
   }
 
   const RayHit* findExitWithin(const glm::dvec3& p, const glm::dvec3& direction, double winding,
                                double length) {
-    findTrianglesAlong(surface_.signTree(), toCells(p), toCells(p + (length + beside_) * direction), slack_,
+    findTrianglesAlong(surface_.signTree(), cellsOf(p), cellsOf(p + (length + beside_) * direction), slack_,
                        faces_);
     for (uint32_t& t : faces_) t = surface_.signTree().triangleId(t);
     findRayHits(surface_.mesh, surface_.turns, faces_, p, direction, hits_);
@@ -145,47 +145,64 @@ class LocalThickness {
   std::vector<RayHit> hits_;
 };
 
-/// Winding numbers beside points, in front of the faces and behind them.
+/// Winding numbers beside points, in front of the faces and behind them: well enough to tell sides.
 class WindingBeside {
  public:
-  void query(const PreparedSurface& surface, const LocalThickness& local, std::span<const FacePoint> points) {
-    places_.resizeUninitialized(2 * points.size());
-    parallelFor(points.size(), kPointsPerTask, [&](size_t begin, size_t end) {
-      for (size_t i = begin; i < end; ++i) {
-        const glm::dvec3 step = local.beside() * local.normal(points[i].triangle);
-        places_[2 * i] = points[i].position + step;
-        places_[2 * i + 1] = points[i].position - step;
+  explicit WindingBeside(const PreparedSurface& surface)
+      : surface_(surface), winding_(surface.windingSource()) {}
+
+  void compute(const LocalThickness& local, std::span<const FacePoint> points) {
+    cells_.clear(), exact_.clear(), places_.clear();
+    for (const FacePoint& point : points) {
+      const glm::dvec3 step = local.beside() * local.normal(point.triangle);
+      places_.push_back(cells_.size());
+      if (step == glm::dvec3(0.0)) continue;  // It has no sides.
+      for (const glm::dvec3& p : {point.position + step, point.position - step}) {
+        cells_.push_back(toCells(surface_.grid, p));
+        exact_.push_back(p - surface_.mesh.origin);
       }
-    });
-    Progress unheard;
-    queryPoints(surface, places_, {.distance = false, .winding = true}, unheard, result_);
+    }
+    places_.push_back(cells_.size());
+    distances_.resize(cells_.size(), float(local.beside() / surface_.grid.spacing));
+    numbers_.resize(cells_.size());
+    winding_.compute({cells_, exact_, distances_}, numbers_);
   }
 
-  float front(size_t i) const { return result_.winding[2 * i]; }
-  float back(size_t i) const { return result_.winding[2 * i + 1]; }
+  /// Returns whether the face of a point has a normal. Others have no numbers.
+  bool hasSides(size_t i) const { return places_[i] < places_[i + 1]; }
+  double front(size_t i) const { return numbers_[places_[i]]; }
+  double back(size_t i) const { return numbers_[places_[i] + 1]; }
 
  private:
-  Buffer<glm::dvec3> places_;
-  QueryResult result_;
+  const PreparedSurface& surface_;
+  PointWinding winding_;
+  std::vector<glm::vec3> cells_;
+  std::vector<glm::dvec3> exact_;
+  std::vector<float> distances_;
+  std::vector<double> numbers_;
+  std::vector<size_t> places_;  // Of each point, that of its numbers, and at last their number.
 };
 
 }  // namespace
 
 void measureThickness(const PreparedSurface& surface, std::span<const FacePoint> points, double most,
                       Progress& progress, std::span<Thickness> thickness) {
-  const LocalThickness prepared(surface, most);
-  WindingBeside winding;
-  for (size_t first = 0; first < points.size(); first += kPointsPerQuery) {
-    progress.report(double(first) / double(points.size()));
-    const std::span<const FacePoint> some =
-        points.subspan(first, std::min(kPointsPerQuery, points.size() - first));
-    winding.query(surface, prepared, some);
-    parallelFor(some.size(), kPointsPerTask, [&](size_t begin, size_t end) {
-      LocalThickness local = prepared;
-      for (size_t i = begin; i < end; ++i)
-        thickness[first + i] = local.measure(some[i], winding.front(i), winding.back(i));
-    });
-  }
+  const size_t tasks = (points.size() + kPointsPerTask - 1) / kPointsPerTask;
+  WorkMeter meter(progress, 0.0, 1.0, double(points.size()) + 1.0);
+  parallelWorkers(tasks, [&](const auto& next) {
+    LocalThickness local(surface, most);
+    WindingBeside winding(surface);
+    for (size_t task = next(); task < tasks; task = next()) {
+      const size_t first = task * kPointsPerTask;
+      const std::span<const FacePoint> some =
+          points.subspan(first, std::min(kPointsPerTask, points.size() - first));
+      winding.compute(local, some);
+      for (size_t i = 0; i < some.size(); ++i)
+        thickness[first + i] = winding.hasSides(i) ? local.measure(some[i], winding.front(i), winding.back(i))
+                                                   : Thickness{Part::Corner, INFINITY};
+      meter.add(some.size());
+    }
+  });
 }
 
 }  // namespace raymap::cpu

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "cpu/points/close_distances.h"
+#include "mesh/face_measures.h"
 #include "mesh/face_points.h"
 #include "mesh/triangle.h"
 #include "method/cell_mesh.h"
@@ -14,11 +15,12 @@ namespace {
 
 constexpr double kMostPoints = 2e7;
 
-/// Returns about how many points the triangles have in rows: at most half as many more.
+/// Returns about how many points the triangles have in rows: at most half as many more. Flat ones have none.
 double countPoints(const CellMesh& mesh, double step) {
   double count = 0.0;
   for (size_t t = 0; t < mesh.triangles.size(); ++t) {
     const glm::vec3 a = mesh.corner(t, 0), b = mesh.corner(t, 1), c = mesh.corner(t, 2);
+    if (isFlat({a, b, c})) continue;
     count += triangleArea(a, b, c) / (step * step) + longestSide(a, b, c) / step + 1.0;
   }
   return count;
@@ -42,8 +44,8 @@ SurfacePoints surfacePoints(const PackedMesh& mesh, const Grid& grid, double ste
         isTaken[v] = true;
         points.add(cells.vertices[v], t);
       }
-    forEachFacePoint(cells.corner(t, 0), cells.corner(t, 1), cells.corner(t, 2), step,
-                     [&](const glm::dvec3& p) { points.add(p, t); });
+    const glm::dvec3 a = cells.corner(t, 0), b = cells.corner(t, 1), c = cells.corner(t, 2);
+    if (!isFlat({a, b, c})) forEachFacePoint(a, b, c, step, [&](const glm::dvec3& p) { points.add(p, t); });
   }
   return points;
 }

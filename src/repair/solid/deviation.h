@@ -44,7 +44,7 @@ struct ExpectedPoints {
 };
 
 /// Returns points of a mesh: its vertices, and points in rows on its triangles that are at most `step`
-/// samples apart. Each point of a triangle stands for about as much area. The points are sparser if there
+/// samples apart; none on flat triangles. Each point of a triangle stands for about as much area. The points are sparser if there
 /// would be too many.
 SurfacePoints surfacePoints(const PackedMesh& mesh, const Grid& grid, double step);
 

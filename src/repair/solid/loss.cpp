@@ -15,10 +15,8 @@ constexpr double kNotableShare = 1e-3;  // Losses of a smaller share of the mesh
 constexpr double kKeptShare = 0.995;
 // Largest distance from a kept point to a sample inside, in samples.
 constexpr double kReach = 1.5;
-// Distances to try: each is this much smaller than the last, down to a share of the grid's, and no grid has
-// more samples than fit into 2 GiB.
+// Distances to try: each is this much smaller than the last, down to a share of the grid's.
 constexpr double kFiner = 1.25, kFinest = 1.0 / 16;
-constexpr size_t kMostSamples = size_t{1} << 29;
 
 /// Lost sides of the solid.
 struct LostSides {
@@ -71,7 +69,7 @@ class Trials {
   /// about half a sample beyond it.
   Trial run(double voxelSize) {
     const Grid grid = fitRepairGrid(surface_.mesh, {.voxelSize = voxelSize}, repair_);
-    if (grid.sampleCount() > kMostSamples) return {};
+    if (surfaceCubes(surface_.mesh, voxelSize) > kMostAdvisedCubes) return {};
     placeSamples(grid);
     cpu::queryPoints(surface_, samples_, {}, progress_, result_);
     Trial trial{voxelSize};

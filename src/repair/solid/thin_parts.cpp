@@ -9,11 +9,13 @@
 #include <raymap/mesh_thickness.h>
 
 #include <algorithm>
+#include <array>
 #include <utility>
 
 #include "base/parallel.h"
 #include "base/text.h"
 #include "cpu/points/local_thickness.h"
+#include "mesh/face_measures.h"
 #include "mesh/face_points.h"
 #include "mesh/triangle.h"
 #include "repair/solid/solid_band.h"
@@ -31,7 +33,6 @@ constexpr double kSeen = 1.5;
 // Largest value of the field at a point of a sheet that the isosurface passes, in samples.
 constexpr double kPassed = 0.15;
 constexpr double kNotableGrowth = 1e-3;  // A smaller share of the mesh's area needs no warning.
-constexpr double kMostAdvised = 4.0 * double(kMostRepairSamples);  // Of a grid that a warning recommends.
 
 /// Walls that became thicker. Shares are of the mesh's area.
 struct Thickened {
@@ -53,10 +54,7 @@ class ThinParts {
 
   /// Measures the mesh where it may be thin.
   void measure(const cpu::PreparedSurface& surface, Progress& progress) {
-    const PackedMesh& mesh = surface.mesh;
-    points_ = sampleFaces(mesh, step());
-    for (const FacePoint& p : points_) area_ += p.area;
-    findDoubtful(mesh);
+    findDoubtful(surface.mesh);
     thickness_.resize(doubtful_.size());
     cpu::measureThickness(surface, doubtful_, limit(), progress, thickness_);
     findOpenParts(surface, progress);
@@ -64,11 +62,11 @@ class ThinParts {
 
   /// Returns the surface in the middle of thin walls and edges, and sheets.
   Mesh middleOfThin(const PackedMesh& mesh) {
-    return middleOf(mesh, [&](size_t i) { return isThin(thickness_[i]); });
+    return middleOf(mesh.origin, [&](size_t i) { return isThin(thickness_[i]); });
   }
   /// Returns the surface that the field shows nowhere near. It may have plates by now.
   Mesh missed(const PackedMesh& mesh) {
-    return middleOf(mesh, [&](size_t i) { return isMissed(doubtful_[i], thickness_[i]); });
+    return middleOf(mesh.origin, [&](size_t i) { return isMissed(doubtful_[i], thickness_[i]); });
   }
 
   /// Returns what became thicker, after the surfaces above were returned.
@@ -96,29 +94,30 @@ class ThinParts {
   double limit() const { return least_ - 2.0 * offset_; }
 
  private:
-  double step() const { return kLongestSide * solid_.grid.spacing; }
+  using Corners = std::array<glm::vec3, 3>;
+
+  /// Parts of some faces that may be thin, and the area of all parts.
+  struct DoubtfulParts {
+    std::vector<FacePoint> points = {};
+    std::vector<Corners> corners = {};
+    double area = 0.0;
+  };
 
   /// Returns the middle of the doubtful parts that `isWanted` names by their numbers.
   template <class IsWanted>
-  Mesh middleOf(const PackedMesh& mesh, IsWanted&& isWanted) {
+  Mesh middleOf(const glm::dvec3& origin, IsWanted&& isWanted) {
     Mesh middle;
-    middle.origin = mesh.origin;
-    size_t next = 0, nextDoubtful = 0;
-    for (const glm::uvec3& t : mesh.triangles)
-      forEachFacePart(mesh.vertices[t.x], mesh.vertices[t.y], mesh.vertices[t.z], step(),
-                      [&](const glm::vec3& a, const glm::vec3& b, const glm::vec3& c) {
-                        if (!isDoubtful_[next++]) return;
-                        const size_t i = nextDoubtful++;
-                        if (!isWanted(i)) return;
-                        if (!isCounted_[i]) thinArea_ += doubtful_[i].area;
-                        isCounted_[i] = 1;
-                        const glm::vec3 move = isThick(thickness_[i])
-                                                   ? glm::vec3(0.0f)
-                                                   : 0.5f * thickness_[i].diameter * thickness_[i].inward;
-                        const auto first = static_cast<uint32_t>(middle.vertices.size());
-                        middle.vertices.insert(middle.vertices.end(), {a + move, b + move, c + move});
-                        middle.triangles.emplace_back(first, first + 1, first + 2);
-                      });
+    middle.origin = origin;
+    for (size_t i = 0; i < doubtful_.size(); ++i) {
+      if (!isWanted(i)) continue;
+      if (!isCounted_[i]) thinArea_ += doubtful_[i].area;
+      isCounted_[i] = 1;
+      const glm::vec3 move = isThick(thickness_[i]) ? glm::vec3(0.0f)
+                                                    : 0.5f * thickness_[i].diameter * thickness_[i].inward;
+      const auto first = static_cast<uint32_t>(middle.vertices.size());
+      for (const glm::vec3& corner : corners_[i]) middle.vertices.push_back(corner + move);
+      middle.triangles.emplace_back(first, first + 1, first + 2);
+    }
     return middle;
   }
 
@@ -152,24 +151,47 @@ class ThinParts {
     return false;
   }
 
-  /// Returns the solid's distance below a point at the depth of the limit's ball, on the deeper side.
-  double depthBelow(const PackedMesh& mesh, const FacePoint& point) const {
-    const auto [a, b, c] = mesh.corners(mesh.triangles[point.triangle]);
+  /// Returns whether no ball of the plate's diameter fits into the solid on either side of a point.
+  bool isDoubtful(const glm::dvec3& point, const glm::dvec3& normal) const {
     const Grid& grid = solid_.grid;
-    const glm::dvec3 at = (point.position - grid.origin) / grid.spacing;
-    const glm::dvec3 way = 0.5 * limit() / grid.spacing * unitNormal(a, b, c);
-    return grid.spacing * std::min(sampler_.value(at + way), sampler_.value(at - way));
+    const glm::dvec3 at = (point - grid.origin) / grid.spacing, way = 0.5 * limit() / grid.spacing * normal;
+    const double deepest = -0.5 * least_ / grid.spacing + kSlack;
+    return sampler_.value(at + way) > deepest && sampler_.value(at - way) > deepest;
+  }
+
+  /// Cuts a face into parts, and lists those that may be thin. Leaves out faces without an area: others lie
+  /// beside them.
+  void addParts(const PackedMesh& mesh, uint32_t face, DoubtfulParts& parts) const {
+    const glm::uvec3& t = mesh.triangles[face];
+    const auto corners = mesh.corners(t);
+    if (isFlat(corners)) return;
+    const glm::dvec3 normal = unitNormal(corners[0], corners[1], corners[2]);
+    forEachFacePart(mesh.vertices[t.x], mesh.vertices[t.y], mesh.vertices[t.z],
+                    kLongestSide * solid_.grid.spacing,
+                    [&](const glm::vec3& a, const glm::vec3& b, const glm::vec3& c) {
+                      const double area = triangleArea(a, b, c);
+                      parts.area += area;
+                      const glm::dvec3 middle = (glm::dvec3(a) + glm::dvec3(b) + glm::dvec3(c)) / 3.0;
+                      if (!isDoubtful(mesh.origin + middle, normal)) return;
+                      parts.points.push_back({mesh.origin + middle, face, area});
+                      parts.corners.push_back({a, b, c});
+                    });
   }
 
   void findDoubtful(const PackedMesh& mesh) {
-    const double deepest = -0.5 * least_ + kSlack * solid_.grid.spacing;
-    isDoubtful_.resizeUninitialized(points_.size());
-    parallelFor(points_.size(), kCheapGrain, [&](size_t begin, size_t end) {
-      for (size_t i = begin; i < end; ++i) isDoubtful_[i] = depthBelow(mesh, points_[i]) > deepest;
+    constexpr size_t kFacesPerTask = 256;
+    const size_t count = mesh.triangles.size();
+    std::vector<DoubtfulParts> tasks((count + kFacesPerTask - 1) / kFacesPerTask);
+    parallelFor(tasks.size(), 1, [&](size_t task, size_t) {
+      const size_t end = std::min(count, (task + 1) * kFacesPerTask);
+      for (size_t face = task * kFacesPerTask; face < end; ++face)
+        addParts(mesh, uint32_t(face), tasks[task]);
     });
-    for (size_t i = 0; i < points_.size(); ++i)
-      if (isDoubtful_[i]) doubtful_.push_back(points_[i]);
-    points_ = {};
+    for (const DoubtfulParts& task : tasks) {
+      area_ += task.area;
+      doubtful_.insert(doubtful_.end(), task.points.begin(), task.points.end());
+      corners_.insert(corners_.end(), task.corners.begin(), task.corners.end());
+    }
     isCounted_.assign(doubtful_.size(), 0);
   }
 
@@ -196,9 +218,8 @@ class ThinParts {
   SolidSampler sampler_;
   double offset_, least_;
   bool isAsked_;
-  std::vector<FacePoint> points_;    // Of all parts of faces.
-  Buffer<uint8_t> isDoubtful_;       // Whether each may be thin.
-  std::vector<FacePoint> doubtful_;  // Those that may be.
+  std::vector<FacePoint> doubtful_;  // Middles of parts of faces that may be thin,
+  std::vector<Corners> corners_;     // and the corners of these parts.
   std::vector<uint8_t> isCounted_;   // Whether the area of each is in the thin one already.
   std::vector<Thickness> thickness_;
   double area_ = 0.0, thinArea_ = 0.0;
@@ -224,15 +245,14 @@ void uniteWithPlates(const Mesh& middle, double thickness, RepairRun& run) {
 void warnOfThickened(const Thickened& thickened, const RepairRun& run) {
   if (run.options.minThickness || thickened.grownShare < kNotableGrowth) return;
   const double voxelSize = roundDown(0.5 * thickened.thinnest);
-  const glm::dvec3 samples = samplesFor(bounds(run.mesh()), voxelSize);
-  const double count = samples.x * samples.y * samples.z;
-  const bool isPossible = count <= kMostAdvised;
+  const double count = surfaceCubes(run.mesh(), voxelSize);
+  const bool isPossible = count <= kMostAdvisedCubes;
   run.machine.warn(
       {WarningCode::PartsThickened,
        numberText(100.0 * thickened.grownShare, 3) + " % of the mesh's surface is on walls about " +
            numberText(thickened.median, 3) + " thick, which are " + numberText(run.report.leastThickness, 3) +
            " thick now; a voxel size of " + numberText(voxelSize, 3) + " keeps them, with " +
-           numberText(count, 2) + " samples" +
+           numberText(count, 2) + " cubes of samples at the surface" +
            (isPossible ? "" : ", which is too many: repair parts of the mesh apart from each other"),
        {.share = thickened.grownShare,
         .length = run.report.leastThickness,
