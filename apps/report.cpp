@@ -55,10 +55,11 @@ std::string whyItTakesLong(const RepairGrid& grid) {
   const double shrink = double(kRepairResolution) / double(std::max({grid.dims.x, grid.dims.y, grid.dims.z}));
   if (shrink >= 1.0) return {};
   std::array<char, 256> text{};
-  std::snprintf(text.data(), text.size(),
-                "this takes a while: about %.2g cubes of samples at the surface, because the thinnest part is "
-                "%.3g thick; --resolution %d takes %.2g %% of them, but is too coarse for that part",
-                grid.surfaceCubes, *grid.thinnest, kRepairResolution, 100.0 * shrink * shrink);
+  std::snprintf(
+      text.data(), text.size(),
+      "this takes a while: about %.2g cubes of samples at the surface, because the thinnest part is "
+      "%.3g thick; --resolution %d takes %.2g %% of them, but is too coarse for that part",
+      grid.surfaceCubes, *grid.thinnest, kRepairResolution, 100.0 * shrink * shrink);
   return text.data();
 }
 

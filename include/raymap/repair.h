@@ -173,7 +173,8 @@ struct RepairGrid : Grid {
   /// Thickness of the mesh's thinnest part (`Verdict::thinnest`). Nothing if it is at least two samples of
   /// `kRepairResolution`, or was not measured.
   std::optional<double> thinnest = {};
-  double surfaceCubes = 0.0;  ///< Cubes between samples that the mesh's surface passes, estimated by its area.
+  double surfaceCubes =
+      0.0;  ///< Cubes between samples that the mesh's surface passes, estimated by its area.
 
   /// Returns whether the samples are dense enough for that part: without plates in its place.
   bool keepsThinnest() const { return !thinnest || spacing <= 0.5 * *thinnest; }
@@ -185,8 +186,9 @@ struct RepairGrid : Grid {
 ///
 /// Covers the base, too. Without a resolution or a voxel size, it has `kRepairResolution` samples along its
 /// longest side. They are as dense as two to the thinnest part if that takes at most `kMostRepairCubes`, at
-/// most `kMostRepairSamples` with a shell or on a GPU, and memory within `machine.memoryLimit`. A soup of faces (`MeshKind::Soup`) has 128 samples
-/// along its longest side. Uses `machine` and throws `Error` as `fitGrid` and `judge` do.
+/// most `kMostRepairSamples` with a shell or on a GPU, and memory within `machine.memoryLimit`. A soup of
+/// faces (`MeshKind::Soup`) has 128 samples along its longest side. Uses `machine` and throws `Error` as
+/// `fitGrid` and `judge` do.
 RAYMAP_API RepairGrid fitRepairGrid(const MeshView& mesh, const GridOptions& options = {},
                                     const RepairOptions& repair = {}, const MachineOptions& machine = {});
 

@@ -85,15 +85,16 @@ void RepairRun::makeBand() {
     const SurfaceOptions how{.orientation = fieldOptions.orientation, .threshold = fieldOptions.threshold};
     surface_ = cpu::prepareSurface(Model(mesh()), how, machine, progress, stats);
     const double width = neededBand(grid, options);
-    ClosedBand closed = makeClosedBand(*surface_, grid, {.outside = width, .inside = width}, options.closeHoles,
-                                       most(), progress);
+    ClosedBand closed = makeClosedBand(*surface_, grid, {.outside = width, .inside = width},
+                                       options.closeHoles, most(), progress);
     stats.patchTriangles = closed.patchTriangles;
     stats.patchArea = closed.patchArea;
     solid = std::move(closed.field);
   });
   stats.bytes = std::max(stats.bytes, surface_->bytes() + solid.bytes());
   stats.stages.clear();  // They are added in the end.
-  stats.turnedFaces = allTurned(report.stats.turnedFaces, std::move(stats.turnedFaces), given.triangles.size());
+  stats.turnedFaces =
+      allTurned(report.stats.turnedFaces, std::move(stats.turnedFaces), given.triangles.size());
   report.stats = std::move(stats);
   solid.narrow->outside -= options.offset;
   solid.narrow->inside += options.offset;

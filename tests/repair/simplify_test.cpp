@@ -346,7 +346,7 @@ TEST(Simplify, IsPartOfARepair) {
   EXPECT_LT(report.trianglesAfter, 200u);
   EXPECT_LE(report.deviation, report.tolerance);
   EXPECT_EQ(whole.report.simplified.deviation, 0.0);
-  const Mesh surface = isosurface(generate(box, grid, {}).field);
+  const Mesh surface = isosurface(Surface(box).generateBand(grid, {.outside = 4.0, .inside = 4.0}));
   EXPECT_EQ(whole.mesh.triangles, surface.triangles);
   EXPECT_EQ(whole.mesh.vertices, surface.vertices);
   how.tolerance = -1.0;

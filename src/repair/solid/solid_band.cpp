@@ -80,7 +80,8 @@ class MissingEdges {
     parallelFor(found_.rows.size(), kRowsPerTask, [&](size_t begin, size_t end) {
       std::vector<uint32_t> faces;
       forEachChange(begin, end, [&](const SignChange& change) {
-        if (std::abs(band.distanceAt(change.first)) <= grid_.spacing * (1.0 + 1e-5) && isCrossed(change, faces))
+        if (std::abs(band.distanceAt(change.first)) <= grid_.spacing * (1.0 + 1e-5) &&
+            isCrossed(change, faces))
           isCrossed_[change.cube] |= uint8_t(1 << change.axis);
       });
     });
@@ -119,8 +120,8 @@ class MissingEdges {
     const auto r = size_t(row - found_.rows.begin());
     const auto first = found_.cubes.begin() + ptrdiff_t(found_.begin[r]),
                last = found_.cubes.begin() + ptrdiff_t(found_.begin[r + 1]);
-    const auto cube = std::lower_bound(first, last, place.x,
-                                       [](const ContourCube& each, int x) { return each.x < x; });
+    const auto cube =
+        std::lower_bound(first, last, place.x, [](const ContourCube& each, int x) { return each.x < x; });
     return cube == last || cube->x != place.x ? 0u : isCrossed_[size_t(cube - found_.cubes.begin())];
   }
 
@@ -176,8 +177,9 @@ void closeHoles(const cpu::PreparedSurface& surface, const MissingEdges& missing
     const bool startsInside = band.distanceAt(edges[e].first) < 0.0f;
     for (size_t end = 0; end < 2; ++end) {
       const float number = std::abs(winding[2 * e + end]);
-      asked[e].winding[end] = startsInside == (end == 0) ? std::max(number, std::nextafter(threshold, INFINITY))
-                                                         : std::min(number, threshold);
+      asked[e].winding[end] = startsInside == (end == 0)
+                                  ? std::max(number, std::nextafter(threshold, INFINITY))
+                                  : std::min(number, threshold);
     }
   }
   std::ranges::sort(asked, {}, [](const MissingEdge& e) { return std::pair(e.first, e.axis); });
@@ -283,14 +285,14 @@ void unite(Field& solid, const Field& other) {
   distance.resizeUninitialized(leaves.size() * kLeafSamples);
   size_t own = 0, next = 0;
   for (size_t leaf = 0; leaf < leaves.size(); ++leaf) {
-    const bool isOwn = next == added.size() ||
-                       (own < band.leaves.size() &&
-                        comesBefore(band.leaves[own], other.narrow->leaves[added[next]]));
+    const bool isOwn =
+        next == added.size() ||
+        (own < band.leaves.size() && comesBefore(band.leaves[own], other.narrow->leaves[added[next]]));
     const size_t from = isOwn ? own++ : added[next++];
     leaves[leaf] = (isOwn ? band : *other.narrow).leaves[from];
     const float* values = (isOwn ? solid : other).distance.data() + from * kLeafSamples;
     std::transform(values, values + kLeafSamples, distance.data() + leaf * kLeafSamples,
-                   [&](float d) { return std::min(d, width); });
+                   [&](float d) { return isOwn || d < far ? d : width; });
   }
   band.leaves = std::move(leaves);
   solid.distance = std::move(distance);

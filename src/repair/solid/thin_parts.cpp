@@ -112,8 +112,8 @@ class ThinParts {
       if (!isWanted(i)) continue;
       if (!isCounted_[i]) thinArea_ += doubtful_[i].area;
       isCounted_[i] = 1;
-      const glm::vec3 move = isThick(thickness_[i]) ? glm::vec3(0.0f)
-                                                    : 0.5f * thickness_[i].diameter * thickness_[i].inward;
+      const glm::vec3 move =
+          isThick(thickness_[i]) ? glm::vec3(0.0f) : 0.5f * thickness_[i].diameter * thickness_[i].inward;
       const auto first = static_cast<uint32_t>(middle.vertices.size());
       for (const glm::vec3& corner : corners_[i]) middle.vertices.push_back(corner + move);
       middle.triangles.emplace_back(first, first + 1, first + 2);
