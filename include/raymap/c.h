@@ -408,6 +408,31 @@ RAYMAP_API raymap_result raymap_sample_points(const raymap_surface* surface, siz
                                               const raymap_options* options,
                                               const raymap_point_sample_arrays* arrays);
 
+/* ---- Distances between surfaces ---- */
+
+/* A point of each of two surfaces, as raymap::SurfacePair. */
+typedef struct raymap_surface_pair {
+  double distance;         /* Distance of the two points. */
+  double bound;            /* Upper bound on the measured distance. */
+  double point[3];         /* Point of the one surface; NaN if they are too far apart. */
+  double other_point[3];   /* Point of the other. */
+  uint32_t triangle;       /* Triangle that holds `point`; UINT32_MAX if there is none. */
+  uint32_t other_triangle; /* Triangle that holds `other_point`. */
+} raymap_surface_pair;
+
+/* Finds the points of two surfaces that are least apart: 0 where faces cross. `pose` takes the other's
+ * coordinates to those of `surface`, as that of raymap_scene_add_surface; NULL = the same coordinates.
+ * Options: only "max_distance" and the progress callback are used; they may be NULL. */
+RAYMAP_API raymap_result raymap_surface_distance(const raymap_surface* surface, const raymap_surface* other,
+                                                 const double pose[16], const raymap_options* options,
+                                                 raymap_surface_pair* found);
+/* Finds the point of `surface`, or with `both_ways` of either, that is farthest from the other one: the
+ * Hausdorff distance. `bound` exceeds it by at most the tolerance; 0 = 1e-4 of the diagonal. Options: only
+ * "threads" and the progress callback are used; they may be NULL. */
+RAYMAP_API raymap_result raymap_surface_hausdorff(const raymap_surface* surface, const raymap_surface* other,
+                                                  const double pose[16], double tolerance, bool both_ways,
+                                                  const raymap_options* options, raymap_surface_pair* found);
+
 /* ---- Regions and narrow bands ---- */
 
 /* Makes the field of a box of samples of a lattice of up to 2^24 samples a side: `extent` samples along each
@@ -499,6 +524,14 @@ typedef struct raymap_scene_arrays {
 RAYMAP_API raymap_result raymap_scene_query(const raymap_scene* scene, const double* points, size_t count,
                                             const raymap_configurations* configurations,
                                             const raymap_options* options, const raymap_scene_arrays* arrays);
+
+/* Finds the least distance of the two bodies of each pair, of one configuration after the other: `found` has
+ * room for all. `pairs` are two numbers of bodies each, `count` of them; the bodies are surfaces. The points
+ * are in the world. The configurations may be NULL for the scene's own poses. Options: only "max_distance",
+ * "threads" and the progress callback are used; they may be NULL. */
+RAYMAP_API raymap_result raymap_scene_distances(const raymap_scene* scene, const uint32_t* pairs,
+                                                size_t count, const raymap_configurations* configurations,
+                                                const raymap_options* options, raymap_surface_pair* found);
 
 /* ---- Inspection ---- */
 

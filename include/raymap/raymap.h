@@ -37,6 +37,7 @@
 #include <raymap/scene.h>
 #include <raymap/simplify.h>
 #include <raymap/surface.h>
+#include <raymap/surface_pair.h>
 #include <raymap/threads.h>
 #include <raymap/verdict.h>
 #include <raymap/version.h>

@@ -120,6 +120,20 @@ class RAYMAP_API Scene {
   SceneResult query(const PointsView& points, const Configurations& configurations,
                     const SceneOptions& options = {}, const MachineOptions& machine = {}) const;
 
+  /// Returns the least distance of the two bodies of each pair, of one configuration after the other, as
+  /// `Surface::distanceTo` does. `point` belongs to the first body and `otherPoint` to the second, both in
+  /// the world. Bodies as far as `maxDistance` or farther get this distance. The pairs share the threads.
+  /// `machine.threads` and `progress` are used. Throws `Error`: Usage, if a body is a field or does not
+  /// exist, for a distance that is not above 0, and for configurations as `query` does; Cancelled.
+  std::vector<SurfacePair> distancesBetween(std::span<const glm::uvec2> pairs,
+                                            const Configurations& configurations,
+                                            double maxDistance = std::numeric_limits<double>::infinity(),
+                                            const MachineOptions& machine = {}) const;
+  /// Does the same for the scene's own poses.
+  std::vector<SurfacePair> distancesBetween(std::span<const glm::uvec2> pairs,
+                                            double maxDistance = std::numeric_limits<double>::infinity(),
+                                            const MachineOptions& machine = {}) const;
+
  private:
   struct Impl;
   std::unique_ptr<Impl> impl_;

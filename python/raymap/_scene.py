@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
+from itertools import combinations
 from typing import Any, Literal, NamedTuple, TypeAlias
 
 import numpy as np
@@ -14,7 +15,7 @@ from ._errors import InputError
 from ._field import Field, core_of_field
 from ._options import core_options
 from ._progress import Progress, reporting
-from ._surface import Surface, core_of_surface
+from ._surface import Surface, SurfacePair, core_of_surface
 
 #: Name of what ``Scene.query`` can compute.
 SceneArray: TypeAlias = Literal["distance", "body", "closest", "gradient", "distances", "triangle"]
@@ -235,6 +236,47 @@ class Scene:
             return _arrays.like(array.reshape(leading + array.shape[1:]), points)
 
         return SceneQuery(*(result(name) if name in names else None for name in SceneQuery._fields))
+
+    def distances_between(
+        self,
+        pairs: Iterable[tuple[str, str]] | None = None,
+        poses: Any = None,
+        *,
+        max_distance: float | None = None,
+        threads: int | None = None,
+        progress: Progress = None,
+    ) -> SurfacePair:
+        """Returns the least distances of bodies that are surfaces: 0 where they cross. Points are in the world.
+
+        Args:
+            pairs: Names of the two bodies of each pair; None = each body with each other.
+            poses: Poses of all bodies in place of the scene's own, (bodies, 4, 4), or in many configurations,
+                (configurations, bodies, 4, 4). Results of these are (configurations, pairs).
+            max_distance: Bodies as far or farther get this distance, ``raymap.NO_TRIANGLE``, and NaN for the points.
+                Smaller is faster. None = no limit.
+            threads: Number of CPU threads, which the pairs share; None = ``raymap.get_threads()``.
+            progress: A callable that receives a stage and its share, 0 to 1; True to show it.
+
+        Raises:
+            UsageError: A body is a field or does not exist, a pose is no rigid motion, or ``max_distance`` is not above 0.
+            InputError: Poses of another shape.
+            Cancelled: ``progress`` returned False.
+
+        >>> ball = raymap.Surface("ball.ply")
+        >>> scene = raymap.Scene({"left": ball, "right": ball})
+        >>> scene.set_pose("right", [[1, 0, 0, 5], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]])
+        >>> scene.distances_between([("left", "right")]).distance.round(2)
+        array([3.])
+        """
+        named = combinations(self.names, 2) if pairs is None else pairs
+        numbers = [(self._core.number(first), self._core.number(second)) for first, second in named]
+        rows = _arrays.to_poses("poses", self.poses if poses is None else poses, (len(self), 4, 4), many=True)
+        shape = (*rows.shape[:-3], len(numbers))
+        count = len(rows) if rows.ndim == 4 else 1
+        options = core_options(max_distance=max_distance, threads=threads)
+        with reporting(progress) as report:
+            found = self._core.distances_between(numbers, rows.reshape(-1, 4, 4), count, options, report)
+        return SurfacePair(**{name: array.reshape(shape + array.shape[1:]) for name, array in found.items()})
 
     def _configurations(
         self, poses: Any, shape: tuple[int, ...]

@@ -66,6 +66,27 @@ class Query(NamedTuple, Generic[_Numbers, _Wholes, _Floats]):
     """Confidences in the sign, (...) float32, 0 to 1."""
 
 
+@_views.shown
+class SurfacePair(NamedTuple):
+    """Result of ``Surface.distance_to``, ``Surface.hausdorff`` and ``Scene.distances_between``: a point of each of two surfaces.
+
+    Members of a scene's result are arrays over the pairs, or (configurations, pairs).
+    """
+
+    distance: Any
+    """Distance of the two points."""
+    bound: Any
+    """Upper bound on the measured distance: ``distance`` itself of a least distance."""
+    point: Any
+    """Point of the one surface, (3,); NaN if they are too far apart."""
+    other_point: Any
+    """Point of the other."""
+    triangle: Any
+    """Triangle that holds ``point``; ``raymap.NO_TRIANGLE`` if there is none."""
+    other_triangle: Any
+    """Triangle that holds ``other_point``."""
+
+
 class CallOptions(TypedDict, total=False):
     """Keyword arguments of what asks a surface at points."""
 
@@ -357,6 +378,79 @@ class Surface:
             found[name] = converted.reshape(shape if array.ndim == 2 else shape[:-1])
         return found
 
+    def distance_to(
+        self,
+        other: Surface,
+        transform: npt.ArrayLike | None = None,
+        *,
+        max_distance: float | None = None,
+        progress: Progress = None,
+    ) -> SurfacePair:
+        """Returns the points of this surface and of another that are least apart, in this one's coordinates.
+
+        Surfaces whose faces cross are 0 apart. Only the faces count. Exact in float64.
+
+        Args:
+            other: The other surface.
+            transform: Its pose, (4, 4), which takes its coordinates to those of this one. A change costs nothing. None =
+                they are the same.
+            max_distance: Surfaces as far or farther get this distance, ``raymap.NO_TRIANGLE``, and NaN for the points.
+                Smaller is faster. None = no limit.
+            progress: A callable that receives a stage and its share, 0 to 1; True to show it.
+
+        Raises:
+            UsageError: ``transform`` is no rigid motion, or ``max_distance`` is not above 0.
+            InputError: A transform of another shape.
+            Cancelled: ``progress`` returned False.
+
+        >>> ball = raymap.Surface("ball.ply")
+        >>> found = ball.distance_to(ball, [[1, 0, 0, 5], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]])
+        >>> round(found.distance, 2), found.point.round(2), found.other_point.round(2)
+        (3.0, array([1., 0., 0.]), array([4., 0., 0.]))
+        """
+        options = core_options(max_distance=max_distance)
+        with reporting(progress) as report:
+            return _pair_of(self._core.distance_to(other._core, _to_rows(transform), options, report))
+
+    def hausdorff(
+        self,
+        other: Surface,
+        transform: npt.ArrayLike | None = None,
+        *,
+        tolerance: float | None = None,
+        both_ways: bool = True,
+        threads: int | None = None,
+        progress: Progress = None,
+    ) -> SurfacePair:
+        """Returns the point that is farthest from the other surface, and that one's closest point: the Hausdorff distance.
+
+        No other point of the faces is farther than ``bound``. The points are in this surface's coordinates.
+
+        Args:
+            other: The other surface.
+            transform: Its pose, as for ``distance_to``.
+            tolerance: Most that ``bound`` exceeds the distance. None = 1e-4 of the diagonal of this surface's bounds.
+            both_ways: Whether the farthest point may lie on either surface, or only on this one.
+            threads: Number of CPU threads; None = ``raymap.get_threads()``.
+            progress: A callable that receives a stage and its share, 0 to 1; True to show it.
+
+        Raises:
+            UsageError: ``transform`` is no rigid motion, or ``tolerance`` is not above 0.
+            InputError: A transform of another shape.
+            MemoryLimitError: The search does not fit into memory.
+            Cancelled: ``progress`` returned False.
+
+        >>> ball = raymap.Surface("ball.ply")
+        >>> found = ball.hausdorff(ball, [[1, 0, 0, 0.5], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]])
+        >>> round(found.distance, 2), bool(found.distance <= found.bound <= found.distance + 1e-3)
+        (0.5, True)
+        """
+        most = 0.0 if tolerance is None else to_number("tolerance", tolerance, above=0.0)
+        options = core_options(threads=threads)
+        with reporting(progress) as report:
+            found = self._core.hausdorff(other._core, _to_rows(transform), most, bool(both_ways), options, report)
+        return _pair_of(found)
+
     def generate(self, *, sparse: bool = False, **options: Unpack[SurfaceFieldOptions]) -> Field:
         """Returns a field of the mesh, negative inside, which agrees with what the surface says at points.
 
@@ -644,6 +738,16 @@ def _to_box(
         to_wholes("low", low),
         to_wholes("size", size, least=1),
     )
+
+
+def _to_rows(transform: npt.ArrayLike | None) -> npt.NDArray[np.float64]:
+    """Returns a pose as the extension module takes it."""
+    return _arrays.to_poses("transform", np.eye(4) if transform is None else transform, (4, 4))[None]
+
+
+def _pair_of(found: dict[str, Any]) -> SurfacePair:
+    """Returns the only one of some pairs."""
+    return SurfacePair(**{name: array[0] if array.ndim > 1 else array[0].item() for name, array in found.items()})
 
 
 def core_of_surface(surface: Surface) -> _raymap.Surface:

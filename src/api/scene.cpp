@@ -8,7 +8,6 @@
 #include <utility>
 #include <variant>
 
-#include "api/rigid_pose.h"
 #include "base/morton.h"
 #include "base/parallel.h"
 #include "base/progress.h"
@@ -18,6 +17,7 @@
 #include "cpu/points/point_cells.h"
 #include "field/field_sampler.h"
 #include "method/points_view.h"
+#include "method/rigid_pose.h"
 
 namespace raymap {
 
@@ -496,6 +496,8 @@ struct Scene::Impl {
     return size_t(at - bodies.begin());
   }
   void add(std::string name, Shape shape, const glm::dmat4& pose);
+  /// Returns the surface of a body.
+  const Surface& surfaceOf(uint32_t body) const;
   /// Throws unless there are this many poses of each body, all of them rigid.
   void check(const Configurations& configurations) const;
 
@@ -517,6 +519,15 @@ void Scene::Impl::add(std::string name, Shape shape, const glm::dmat4& pose) {
   poses.reserve(bodies.size() + 1);
   bodies.push_back({std::move(name), std::move(shape)});
   poses.push_back(pose);
+}
+
+const Surface& Scene::Impl::surfaceOf(uint32_t body) const {
+  require(body < bodies.size(),
+          "there is no body " + std::to_string(body) + "; the scene has " + std::to_string(bodies.size()));
+  const auto* shape = std::get_if<SurfaceShape>(&bodies[body].shape);
+  require(shape != nullptr,
+          "body '" + bodies[body].name + "' is a field; distances between bodies are those of surfaces");
+  return *shape->surface;
 }
 
 void Scene::Impl::check(const Configurations& configurations) const {
@@ -610,6 +621,41 @@ SceneResult Scene::query(const PointsView& points, const Configurations& configu
     progress.stage("query", [&] { query.answer(progress); });
   });
   return result;
+}
+
+std::vector<SurfacePair> Scene::distancesBetween(std::span<const glm::uvec2> pairs, double maxDistance,
+                                                 const MachineOptions& machine) const {
+  return distancesBetween(pairs, {.poses = notMoved(impl_).poses, .count = 1}, maxDistance, machine);
+}
+
+std::vector<SurfacePair> Scene::distancesBetween(std::span<const glm::uvec2> pairs,
+                                                 const Configurations& configurations, double maxDistance,
+                                                 const MachineOptions& machine) const {
+  const Impl& scene = notMoved(impl_);
+  scene.check(configurations);
+  require(maxDistance > 0.0, "the largest distance must be above 0, not " + numberText(maxDistance));
+  for (const glm::uvec2& pair : pairs) scene.surfaceOf(pair.x), scene.surfaceOf(pair.y);
+  std::vector<SurfacePair> found(pairs.size() * configurations.count);
+  Progress progress(machine.progress);
+  WorkMeter meter(progress, 0.0, 1.0, double(found.size()));
+  const auto measure = [&](size_t i) {
+    const glm::uvec2& pair = pairs[i % pairs.size()];
+    const glm::dmat4* poses = &configurations.poses[i / pairs.size() * scene.bodies.size()];
+    const glm::dmat4 seen = seenFrom(poses[pair.x], poses[pair.y]);
+    Progress silent;
+    found[i] = scene.surfaceOf(pair.x).closestPair(scene.surfaceOf(pair.y), {seen, maxDistance}, silent);
+    found[i].point = moved(poses[pair.x], found[i].point);
+    found[i].otherPoint = moved(poses[pair.x], found[i].otherPoint);
+    meter.add(1);
+  };
+  withThreads(machine.threads, [&] {
+    progress.stage("distance", [&] {
+      parallelFor(found.size(), 1, [&](size_t begin, size_t end) {
+        for (; begin < end; ++begin) measure(begin);
+      });
+    });
+  });
+  return found;
 }
 
 }  // namespace raymap

@@ -356,6 +356,22 @@ static void test_scene(void) {
   CHECK(raymap_scene_set_pose(scene, "field", beside) == RAYMAP_OK);
   memcpy(poses[1][1], beside, sizeof beside);
   for (int k = 0; k < 16; ++k) poses[0][1][k] = poses[1][0][k] = k % 5 == 0;
+  const uint32_t pairs[2] = {0, 2};
+  CHECK(raymap_scene_add_surface(scene, "other", surface, beside) == RAYMAP_OK);
+  raymap_surface_pair apart, same;
+  CHECK(raymap_scene_distances(scene, pairs, 1, NULL, options, &apart) == RAYMAP_OK);
+  CHECK(raymap_surface_distance(surface, surface, beside, options, &same) == RAYMAP_OK);
+  CHECK(memcmp(&apart, &same, sizeof same) == 0 && apart.bound == apart.distance);
+  CHECK(fabs(apart.other_point[0] - apart.point[0] - apart.distance) < 1e-9 && apart.triangle < 4);
+  CHECK(raymap_surface_hausdorff(surface, surface, beside, 0.0, true, options, &same) == RAYMAP_OK);
+  CHECK(same.distance > apart.distance && same.bound >= same.distance && same.bound < 20.1);
+  CHECK(raymap_surface_hausdorff(surface, surface, NULL, 0.0, false, NULL, &same) == RAYMAP_OK);
+  CHECK(same.distance < 1e-9);
+  CHECK_FAILS(raymap_surface_hausdorff(surface, NULL, NULL, 0.0, true, NULL, &same), RAYMAP_ERROR_USAGE,
+              "the other surface is NULL");
+  CHECK_FAILS(raymap_scene_distances(scene, NULL, 1, NULL, options, &apart), RAYMAP_ERROR_USAGE,
+              "the array of pairs is NULL");
+  CHECK(raymap_scene_remove(scene, "other") == RAYMAP_OK);
   raymap_configurations both = RAYMAP_INIT(raymap_configurations);
   both.poses = &poses[0][0][0];
   both.count = 2;

@@ -14,10 +14,11 @@
 #include <vector>
 
 #include "any_threads.h"
-#include "api/rigid_pose.h"
 #include "broken_meshes.h"
 #include "contains.h"
 #include "error_code.h"
+#include "method/rigid_pose.h"
+#include "random_pose.h"
 #include "shapes.h"
 
 namespace raymap {
@@ -28,17 +29,6 @@ const SceneOptions kEachBody{.body = true, .closest = true, .gradient = true, .d
 
 std::shared_ptr<const Surface> prepared(const Mesh& mesh, const SurfaceOptions& options = {}) {
   return std::make_shared<const Surface>(mesh, options);
-}
-
-/// Returns a random rotation about a random axis, and a translation of up to `reach` along each.
-glm::dmat4 randomPose(std::mt19937& random, double reach) {
-  std::uniform_real_distribution<double> unit(-1.0, 1.0);
-  const auto vector = [&] {
-    const double x = unit(random), y = unit(random), z = unit(random);
-    return glm::dvec3(x, y, z);
-  };
-  const glm::dmat4 translation = glm::translate(glm::dmat4(1.0), reach * vector());
-  return glm::rotate(translation, 3.0 * unit(random), glm::normalize(vector()));
 }
 
 std::vector<glm::dmat4> randomPoses(size_t count, unsigned seed) {

@@ -1,4 +1,4 @@
-#include "api/rigid_pose.h"
+#include "method/rigid_pose.h"
 
 #include <raymap/error.h>
 

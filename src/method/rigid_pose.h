@@ -27,4 +27,11 @@ inline glm::dvec3 movedBack(const glm::dmat4& pose, const glm::dvec3& p) {
           glm::dot(glm::dvec3(pose[2]), offset)};
 }
 
+/// Returns the pose that takes the coordinates of a second pose's body to those of a first one's.
+inline glm::dmat4 seenFrom(const glm::dmat4& pose, const glm::dmat4& other) {
+  glm::dmat4 seen(glm::transpose(glm::dmat3(pose)) * glm::dmat3(other));
+  seen[3] = glm::dvec4(movedBack(pose, glm::dvec3(other[3])), 1.0);
+  return seen;
+}
+
 }  // namespace raymap
