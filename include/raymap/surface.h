@@ -101,7 +101,7 @@ class RAYMAP_API Surface {
   /// their distance as `query` measures it, in this one's coordinates: the Hausdorff distance. No other point
   /// is farther than `bound`, which exceeds the distance by at most the tolerance, unless the search would
   /// divide the faces into more than 2^24 parts. `machine.threads` and `progress` are used. Throws `Error`:
-  /// Usage, if the tolerance is negative or the pose is no rigid motion; Memory, Cancelled.
+  /// Usage, if the tolerance is negative or the pose is no scaled rigid motion; Memory, Cancelled.
   SurfacePair hausdorff(const Surface& other, const HausdorffOptions& options = {},
                         const MachineOptions& machine = {}) const;
   /// Returns the point that is deepest inside, of some: how far they penetrate the mesh. Uses `machine` and

@@ -39,9 +39,9 @@ struct HausdorffOptions {
 
 /// The point of some that is deepest inside a surface.
 struct DeepestPoint {
-  double depth = 0.0;             ///< Its distance from the surface; 0 if no point is inside.
-  size_t point = 0;               ///< Its number; the lowest if several are equally deep.
-  glm::dvec3 closest{0.0};        ///< Closest point of the surface.
+  double depth = 0.0;               ///< Its distance from the surface; 0 if no point is inside.
+  size_t point = 0;                 ///< Its number; the lowest if several are equally deep.
+  glm::dvec3 closest{0.0};          ///< Closest point of the surface.
   uint32_t triangle = kNoTriangle;  ///< Triangle that holds it; `kNoTriangle` if no point is inside.
 };
 

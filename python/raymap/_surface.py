@@ -241,7 +241,7 @@ class Surface:
             progress: A callable that receives a stage and its share, 0 to 1; True to show it.
 
         Raises:
-            UsageError: ``transform`` is no rigid motion.
+            UsageError: ``transform`` is no scaled rigid motion.
             InputError: Points or a transform of another shape.
             MemoryLimitError: The results do not fit into memory.
             Cancelled: ``progress`` returned False.
@@ -399,7 +399,7 @@ class Surface:
             progress: A callable that receives a stage and its share, 0 to 1; True to show it.
 
         Raises:
-            UsageError: ``transform`` is no rigid motion, or ``max_distance`` is not above 0.
+            UsageError: ``transform`` is no scaled rigid motion, or ``max_distance`` is not above 0.
             InputError: A transform of another shape.
             Cancelled: ``progress`` returned False.
 
@@ -435,7 +435,7 @@ class Surface:
             progress: A callable that receives a stage and its share, 0 to 1; True to show it.
 
         Raises:
-            UsageError: ``transform`` is no rigid motion, or ``tolerance`` is not above 0.
+            UsageError: ``transform`` is no scaled rigid motion, or ``tolerance`` is not above 0.
             InputError: A transform of another shape.
             MemoryLimitError: The search does not fit into memory.
             Cancelled: ``progress`` returned False.

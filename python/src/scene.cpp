@@ -1,6 +1,7 @@
 #include <raymap/scene.h>
 
 #include "call.h"
+#include "records.h"
 
 namespace raymap::python {
 
@@ -86,6 +87,28 @@ nb::dict distancesBetween(const Scene& self, const std::vector<std::pair<uint32_
   return pairsToDict(found);
 }
 
+Bounds boundsOf(const Scene& self) {
+  const auto [low, high] = corners(self.bounds());
+  return {toTriple(low), toTriple(high)};
+}
+
+Grid fitSceneGrid(const Scene& self, const AllOptions& options) {
+  return fitGrid(self.bounds(), options.grid);
+}
+
+std::shared_ptr<FieldHandle> generateUnion(const Scene& self, const Grid& grid, bool isSparse,
+                                           const AllOptions& options, nb::object progress) {
+  Call call(std::move(progress));
+  const auto result = std::make_shared<FieldHandle>();
+  call.run([&] {
+    const MachineOptions machine = call.on(options.machine);
+    result->field = isSparse ? self.generateBand(grid, options.band, machine)
+                             : self.generate(grid, options.field.band, machine);
+  });
+  result->stats.device = "cpu";
+  return result;
+}
+
 }  // namespace
 
 std::vector<glm::dmat4> toPoses(const PoseArray& rows) {
@@ -147,6 +170,9 @@ void bindScene(nb::module_& module) {
       .def_prop_ro("names", &Scene::names)
       .def(
           "number", [](const Scene& self, std::string_view name) { return self.number(name); }, "name"_a)
+      .def("bounds", &boundsOf)
+      .def("fit_grid", &fitSceneGrid, "options"_a)
+      .def("generate", &generateUnion, "grid"_a, "sparse"_a, "options"_a, "progress"_a.none())
       .def("distances_between", &distancesBetween, "pairs"_a, "poses"_a.noconvert(), "count"_a, "options"_a,
            "progress"_a.none())
       .def("query", &queryScene, "points"_a.noconvert(), "arrays"_a, "without"_a, "options"_a,

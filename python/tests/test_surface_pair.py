@@ -22,7 +22,7 @@ def test_least_distance_is_that_of_the_shapes(ball):
     assert surface.distance_to(surface).distance == 0
     far = surface.distance_to(surface, shifted(5), max_distance=1)
     assert (far.distance, far.triangle) == (1, raymap.NO_TRIANGLE) and np.isnan(far.point).all()
-    with pytest.raises(raymap.UsageError, match="no rigid motion"):
+    with pytest.raises(raymap.UsageError, match="no scaled rigid motion"):
         surface.distance_to(surface, np.diag([2, 1, 1, 1]))
 
 

@@ -6,6 +6,7 @@
 #include <numbers>
 #include <string>
 
+#include "api/check_band.h"
 #include "api/field_warnings.h"
 #include "base/memory.h"
 #include "base/parallel.h"
@@ -20,7 +21,7 @@
 #include "mesh/model.h"
 #include "mesh/triangle.h"
 #include "method/points_view.h"
-#include "method/rigid_pose.h"
+#include "method/pose.h"
 
 namespace raymap {
 
@@ -53,13 +54,17 @@ void checkLattice(const Grid& grid) {
   validateGrid(grid);
 }
 
-void check(const Grid& grid, const BandOptions& options, bool isSigned) {
+}  // namespace
+
+void checkBand(const Grid& grid, const BandOptions& options, bool isSigned) {
   checkLattice(grid);
   require(options.outside > 0.0 && std::isfinite(options.outside),
           "the band outside must be positive and finite");
   require(options.inside > 0.0, "the band inside must be positive");
   checkSigned(options, isSigned);
 }
+
+namespace {
 
 void check(const Grid& lattice, const Region& region, const RegionOptions& options, bool isSigned) {
   checkLattice(lattice);
@@ -162,7 +167,7 @@ std::vector<Thickness> Surface::thickness(std::span<const FacePoint> points, con
 
 Field Surface::generateBand(const Grid& grid, const BandOptions& options,
                             const MachineOptions& machine) const {
-  check(grid, options, notMoved(impl_).prepared.isSigned);
+  checkBand(grid, options, notMoved(impl_).prepared.isSigned);
   Progress progress(machine.progress);
   Field band;
   withThreads(machine.threads, [&] {
@@ -229,7 +234,7 @@ Generated Surface::generate(const Grid& grid, const FieldOptions& asked,
 SurfacePair Surface::distanceTo(const Surface& other, const PairOptions& options,
                                 const MachineOptions& machine) const {
   require(options.maxDistance > 0.0, "the largest distance must be positive");
-  checkRigid(options.pose, [] { return "the pose of the other surface"; });
+  checkPose(options.pose, [] { return "the pose of the other surface"; });
   Progress progress(machine.progress);
   SurfacePair found;
   progress.stage("distance", [&] { found = closestPair(other, options, progress); });
@@ -244,7 +249,7 @@ SurfacePair Surface::closestPair(const Surface& other, const PairOptions& option
 SurfacePair Surface::hausdorff(const Surface& other, const HausdorffOptions& options,
                                const MachineOptions& machine) const {
   require(options.tolerance >= 0.0, "the tolerance must not be negative");
-  checkRigid(options.pose, [] { return "the pose of the other surface"; });
+  checkPose(options.pose, [] { return "the pose of the other surface"; });
   Progress progress(machine.progress);
   SurfacePair found;
   withThreads(machine.threads, [&] {

@@ -113,6 +113,24 @@ raymap_result raymap_scene_query(const raymap_scene* scene, const double* points
   });
 }
 
+raymap_field* raymap_scene_generate(const raymap_scene* scene, const raymap_grid* grid,
+                                    const raymap_options* options) {
+  return create([&] {
+    const AllOptions& how = c::optionsOr(options);
+    return c::ownField(need(scene, "the scene")
+                           .scene.generate(c::fromC(need(grid, "the grid")), how.field.band, how.machine));
+  });
+}
+
+raymap_field* raymap_scene_generate_band(const raymap_scene* scene, const raymap_grid* grid,
+                                         const raymap_options* options) {
+  return create([&] {
+    const AllOptions& how = c::optionsOr(options);
+    return c::ownField(
+        need(scene, "the scene").scene.generateBand(c::fromC(need(grid, "the grid")), how.band, how.machine));
+  });
+}
+
 raymap_result raymap_scene_distances(const raymap_scene* scene, const uint32_t* pairs, size_t count,
                                      const raymap_configurations* configurations,
                                      const raymap_options* options, raymap_surface_pair* found) {

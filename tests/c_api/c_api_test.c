@@ -372,6 +372,18 @@ static void test_scene(void) {
   CHECK_FAILS(raymap_scene_distances(scene, NULL, 1, NULL, options, &apart), RAYMAP_ERROR_USAGE,
               "the array of pairs is NULL");
   CHECK(raymap_scene_remove(scene, "other") == RAYMAP_OK);
+  raymap_field* ofScene = raymap_scene_generate(scene, &grid, options);
+  raymap_field* bandOfScene = raymap_scene_generate_band(scene, &grid, options);
+  CHECK(ofScene != NULL && bandOfScene != NULL && raymap_field_is_narrow(bandOfScene));
+  const double at[3] = {grid.origin[0], grid.origin[1], grid.origin[2]};
+  double there;
+  raymap_scene_arrays one = RAYMAP_INIT(raymap_scene_arrays);
+  one.distance = &there;
+  CHECK(raymap_scene_query(scene, at, 1, NULL, options, &one) == RAYMAP_OK);
+  CHECK(raymap_field_distance(ofScene)[0] == (float)there);
+  CHECK(raymap_scene_generate(scene, NULL, options) == NULL);
+  raymap_field_free(ofScene);
+  raymap_field_free(bandOfScene);
   raymap_configurations both = RAYMAP_INIT(raymap_configurations);
   both.poses = &poses[0][0][0];
   both.count = 2;
@@ -387,7 +399,7 @@ static void test_scene(void) {
   CHECK(body[0] == 1 && body[1] == 1 && found[1] == distance[1]);
   poses[1][1][15] = 2.0;
   CHECK_FAILS(raymap_scene_query(scene, &points[0][0], 2, &both, NULL, &arrays), RAYMAP_ERROR_USAGE,
-              "the pose of body 'field' in configuration 1 is no rigid motion");
+              "the pose of body 'field' in configuration 1 is no scaled rigid motion");
   CHECK_FAILS(raymap_scene_set_pose(scene, "field", poses[1][1]), RAYMAP_ERROR_USAGE, "the last row");
   both.poses = NULL;
   CHECK_FAILS(raymap_scene_query(scene, &points[0][0], 2, &both, NULL, &arrays), RAYMAP_ERROR_USAGE,

@@ -26,8 +26,7 @@ std::vector<Triangle> trianglesOf(const Mesh& mesh, const glm::dmat4& pose = glm
   std::vector<Triangle> triangles;
   for (const glm::uvec3& t : mesh.triangles) {
     Triangle& corners = triangles.emplace_back();
-    for (int c = 0; c < 3; ++c)
-      corners[size_t(c)] = glm::dvec3(pose * glm::dvec4(mesh.position(t[c]), 1.0));
+    for (int c = 0; c < 3; ++c) corners[size_t(c)] = glm::dvec3(pose * glm::dvec4(mesh.position(t[c]), 1.0));
   }
   return triangles;
 }
@@ -40,7 +39,8 @@ glm::dvec3 onSegment(const glm::dvec3& p, const glm::dvec3& a, const glm::dvec3&
 /// Returns the distance of a point to a triangle, by its sides and its plane.
 double distanceTo(const glm::dvec3& p, const Triangle& t) {
   double least = INFINITY;
-  for (size_t i = 0; i < 3; ++i) least = std::min(least, glm::distance(p, onSegment(p, t[i], t[(i + 1) % 3])));
+  for (size_t i = 0; i < 3; ++i)
+    least = std::min(least, glm::distance(p, onSegment(p, t[i], t[(i + 1) % 3])));
   const glm::dvec3 normal = glm::normalize(glm::cross(t[1] - t[0], t[2] - t[0]));
   bool isOver = true;
   for (size_t i = 0; i < 3; ++i)
@@ -189,7 +189,8 @@ TEST(Hausdorff, LiesBetweenWhatSamplesShowAndItsBound) {
 }
 
 TEST(Hausdorff, OfShapesIsWhatGeometrySays) {
-  const Surface cube(shapes::box({-1, -1, -1}, {1, 1, 1})), small(shapes::box({-0.5, -0.5, -0.5}, {0.5, 0.5, 0.5}));
+  const Surface cube(shapes::box({-1, -1, -1}, {1, 1, 1})),
+      small(shapes::box({-0.5, -0.5, -0.5}, {0.5, 0.5, 0.5}));
   const SurfacePair outer = cube.hausdorff(small, {.bothWays = false});
   EXPECT_NEAR(outer.distance, std::sqrt(0.75), 1e-12);  // From a corner to a corner.
   EXPECT_NEAR(glm::length(outer.point), std::sqrt(3.0), 1e-12);
@@ -259,7 +260,8 @@ TEST(Scene, MeasuresBetweenBodies) {
   scene.setPoses(std::span(poses).subspan(3, 3));
   const auto own = scene.distancesBetween(pairs);
   for (const int threads : {1, 3}) {
-    const auto again = scene.distancesBetween(pairs, {.poses = poses, .count = 4}, INFINITY, {.threads = threads});
+    const auto again =
+        scene.distancesBetween(pairs, {.poses = poses, .count = 4}, INFINITY, {.threads = threads});
     EXPECT_EQ(std::memcmp(again.data(), found.data(), sizeof(SurfacePair) * found.size()), 0);
   }
   for (size_t i = 0; i < 3; ++i) EXPECT_EQ(own[i].distance, found[3 + i].distance);

@@ -9,7 +9,7 @@
 #include "cpu/points/segment_crossings.h"
 #include "cpu/points/surface_pairs.h"
 #include "cpu/points/triangle_pair.h"
-#include "method/rigid_pose.h"
+#include "method/pose.h"
 
 namespace raymap::cpu {
 
@@ -54,7 +54,8 @@ class Side {
       : surface_(surface),
         pose_(pose),
         cells_(surface.grid.origin),
-        slack_(double(slackOf(surface.tree, surface.grid.dims)) * surface.grid.spacing) {
+        scale_(kStretch * scaleOf(pose)),
+        slack_(scale_ * double(slackOf(surface.tree, surface.grid.dims)) * surface.grid.spacing) {
     const glm::dvec3 shift = moved(pose, surface.mesh.origin) - origin;
     cells_ -= surface.mesh.origin;
     pose_[3] = glm::dvec4(shift, 1.0);
@@ -70,8 +71,8 @@ class Side {
     return {number,
             level,
             {moved(pose_, cells_ + spacing * centre), turned(pose_, normal),
-             kStretch * spacing * double(discs.radius[lane]),
-             kStretch * spacing * double(discs.halfThickness[lane])}};
+             scale_ * spacing * double(discs.radius[lane]),
+             scale_ * spacing * double(discs.halfThickness[lane])}};
   }
   Node root() const {
     const auto level = uint32_t(surface_.tree.levels().size() - 1);
@@ -109,6 +110,7 @@ class Side {
   const PreparedSurface& surface_;
   glm::dmat4 pose_;
   glm::dvec3 cells_;  // Where cell 0 lies, about the mesh's origin.
+  double scale_;      // Of lengths, at most.
   double slack_;      // Exceeds the errors of the discs.
 };
 
@@ -228,7 +230,7 @@ class PairSearch {
   double slack_, squared_;
   SurfacePair found_;
   std::vector<Open> open_;  // A heap.
-  glm::dvec3 way_{0.0};  // Unit vector from the one of the closest points to the other, or 0.
+  glm::dvec3 way_{0.0};     // Unit vector from the one of the closest points to the other, or 0.
   size_t measured_ = 0;
   Progress& progress_;
 };

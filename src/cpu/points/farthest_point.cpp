@@ -11,7 +11,7 @@
 #include "cpu/points/surface_pairs.h"
 #include "cpu/points/triangle_pair.h"
 #include "mesh/triangle.h"
-#include "method/rigid_pose.h"
+#include "method/pose.h"
 
 namespace raymap::cpu {
 
@@ -19,7 +19,7 @@ namespace {
 
 /// Most parts that are halved together, and most that wait. Further ones would take too much memory: the
 /// search then ends with the bound that it has.
-constexpr size_t kPartsAtOnce = size_t{1} << 14, kMostWaiting = size_t{1} << 24;
+constexpr size_t kPartsAtOnce = size_t{1} << 14, kMostHeldParts = size_t{1} << 24;
 
 /// Part of a face, and what the distances of its points do not exceed.
 struct Part {
@@ -30,9 +30,7 @@ struct Part {
   glm::dvec3 centre() const { return (corners[0] + corners[1] + corners[2]) / 3.0; }
   /// Returns the number of the corner opposite the longest side.
   size_t tip() const {
-    const auto side = [&](size_t i) {
-      return glm::distance(corners[(i + 1) % 3], corners[(i + 2) % 3]);
-    };
+    const auto side = [&](size_t i) { return glm::distance(corners[(i + 1) % 3], corners[(i + 2) % 3]); };
     return side(0) >= side(1) && side(0) >= side(2) ? 0 : side(1) >= side(2) ? 1 : 2;
   }
 };
@@ -54,7 +52,7 @@ class FarthestSearch {
     measureFaces(vertices, faces);
     while (!parts_.empty() && parts_.front().most > found_.distance + tolerance_) {
       progress_.poll();
-      if (parts_.size() > kMostWaiting) break;
+      if (parts_.size() > kMostHeldParts) break;
       halve();
     }
     if (!parts_.empty()) found_.bound = std::max(found_.bound, parts_.front().most);
@@ -106,8 +104,7 @@ class FarthestSearch {
     measure([&](size_t i) { return halves[i < count ? i : 2 * (i - count)].face; });
     parallelFor(count, 256, [&](size_t begin, size_t end) {
       for (size_t i = begin; i < end; ++i)
-        halves[i].most =
-            std::min(halves[i].most, boundOf(halves[i], query_.distance[i], query_.triangle[i]));
+        halves[i].most = std::min(halves[i].most, boundOf(halves[i], query_.distance[i], query_.triangle[i]));
     });
     for (const Part& half : halves) keep(half);
   }
@@ -175,10 +172,12 @@ SurfacePair searchFrom(const PreparedSurface& from, const PreparedSurface& to, d
 SurfacePair farthestPoint(const PreparedSurface& a, const PreparedSurface& b, const HausdorffOptions& options,
                           Progress& progress) {
   const glm::dmat4& pose = options.pose;
-  const double tolerance =
-      options.tolerance > 0.0 ? options.tolerance : 1e-4 * glm::length(a.bounds.size());
-  SurfacePair found =
-      searchFrom(a, b, tolerance, -1.0, progress, [&](const glm::dvec3& p) { return movedBack(pose, p); });
+  const double tolerance = options.tolerance > 0.0 ? options.tolerance : 1e-4 * glm::length(a.bounds.size());
+  const double scale = scaleOf(pose);
+  SurfacePair found = searchFrom(a, b, tolerance / scale, -1.0, progress,
+                                 [&](const glm::dvec3& p) { return movedBack(pose, p); });
+  found.distance *= scale;
+  found.bound *= scale;
   found.point = moved(pose, found.point);
   found.otherPoint = moved(pose, found.otherPoint);
   if (!options.bothWays) return found;
@@ -186,8 +185,7 @@ SurfacePair farthestPoint(const PreparedSurface& a, const PreparedSurface& b, co
                                       [&](const glm::dvec3& p) { return moved(pose, p); });
   found.bound = std::max(found.bound, back.bound);
   if (back.otherTriangle != kNoTriangle)
-    found = {back.distance,   found.bound,        back.otherPoint,
-             back.point,      back.otherTriangle, back.triangle};
+    found = {back.distance, found.bound, back.otherPoint, back.point, back.otherTriangle, back.triangle};
   return found;
 }
 
