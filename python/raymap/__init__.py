@@ -64,6 +64,7 @@ from ._surface import (
     Thickness,
     sample_faces,
     signed_distance,
+    split_parts,
 )
 from ._threads import get_threads, set_threads
 
@@ -165,6 +166,7 @@ __all__ = [
     "set_threads",
     "signed_distance",
     "simplify",
+    "split_parts",
     "test_device",
     "zarr",
 ]

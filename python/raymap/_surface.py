@@ -727,6 +727,32 @@ def sample_faces(mesh_or_vertices: Any, faces: Any = None, *, step: float) -> Fa
     return FacePoints(*_raymap.sample_faces(core_of(_inputs.to_mesh(mesh_or_vertices, faces)), to_number("step", step, above=0.0)))
 
 
+def split_parts(mesh_or_vertices: Any, faces: Any = None) -> list[Mesh]:
+    """Returns each part of a mesh that is apart, with the sealed cavities in it, in the order of their first faces.
+
+    A part is connected through vertices at exactly equal positions.
+
+    Args:
+        mesh_or_vertices: A mesh, the path of a file, or positions, (n, 3), as for ``raymap.Surface``.
+        faces: Three vertex numbers per triangle, (m, 3), if positions are given.
+
+    Raises:
+        InputError: The mesh is not valid.
+        FileError: The file cannot be read.
+
+    >>> ball = raymap.load_mesh("ball.ply")
+    >>> both = raymap.Mesh(np.concatenate([ball.vertices, ball.vertices + 5]), np.concatenate([ball.faces, ball.faces + len(ball.vertices)]))
+    >>> [len(part.faces) for part in raymap.split_parts(both)]
+    [1280, 1280]
+    """
+    mesh = _inputs.to_mesh(mesh_or_vertices, faces)
+    parts = []
+    for chosen in _raymap.split_parts(core_of(mesh)):
+        used, numbers = np.unique(mesh.faces[chosen], return_inverse=True)
+        parts.append(Mesh(mesh.vertices[used], numbers.reshape(-1, 3)))
+    return parts
+
+
 def _to_box(
     low: Iterable[int], size: Iterable[int], origin: npt.ArrayLike, spacing: float, dims: Iterable[int]
 ) -> tuple[Vector, float, Whole3, Whole3, Whole3]:

@@ -675,8 +675,8 @@ Field Scene::generate(const Grid& grid, double band, const MachineOptions& machi
       points.resize(std::min(kPointsAtOnce, count - begin));
       const size_t nx = size_t(grid.dims.x), ny = size_t(grid.dims.y);
       for (size_t i = 0; i < points.size(); ++i) {
-        const size_t s = begin + i;
-        points[i] = grid.position(glm::dvec3(double(s % nx), double(s / nx % ny), double(s / nx / ny)));
+        const size_t s = begin + i, row = s / nx, plane = row / ny;
+        points[i] = grid.position(glm::dvec3(double(s % nx), double(row % ny), double(plane)));
       }
       const SceneResult found = query(points, options, {.threads = machine.threads});
       for (size_t i = 0; i < points.size(); ++i) field.distance[begin + i] = float(found.distance[i]);

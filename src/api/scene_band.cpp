@@ -17,7 +17,8 @@ constexpr int kSide = NarrowBand::kLeafSide;
 constexpr size_t kSamples = NarrowBand::kLeafSamples, kCubesAtATime = size_t{1} << 15,
                  kLeavesAtATime = size_t{1} << 11;
 
-/// A cube must be farther than the band by this share, as poses are not quite rigid, and coordinates are rounded.
+/// A cube must be farther than the band by this share, as poses are not quite rigid, and coordinates are
+/// rounded.
 constexpr double kMargin = 1e-4;
 
 class SceneBand {
