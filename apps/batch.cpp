@@ -17,14 +17,6 @@ namespace fs = std::filesystem;
 
 namespace {
 
-using Row = std::array<std::string, 7>;
-
-std::string numberText(const char* format, double number) {
-  std::array<char, 32> text{};
-  std::snprintf(text.data(), text.size(), format, number);
-  return text.data();
-}
-
 Row rowOf(const FileJob& job, const Outcome& outcome, double seconds) {
   return {displayName(job.input),
           outcome.done,
@@ -33,18 +25,6 @@ Row rowOf(const FileJob& job, const Outcome& outcome, double seconds) {
           outcome.volume ? numberText("%.6g", *outcome.volume) : "-",
           numberText("%.1f", seconds),
           displayName(job.output)};
-}
-
-/// Prints a table. Its columns from the third to the last but one are numbers.
-void print(const std::vector<Row>& rows) {
-  std::array<int, 7> widths{};
-  for (const Row& row : rows)
-    for (size_t k = 0; k + 1 < row.size(); ++k) widths[k] = std::max(widths[k], int(row[k].size()));
-  for (const Row& row : rows) {
-    for (size_t k = 0; k < row.size(); ++k)
-      std::printf("%s%*s", k == 0 ? "" : "  ", k < 2 ? -widths[k] : widths[k], row[k].c_str());
-    std::printf("\n");
-  }
 }
 
 /// Returns the extension of an output in a folder.
@@ -103,6 +83,23 @@ int doOne(const FileJob& job, const std::function<Outcome(const FileJob&)>& work
 
 }  // namespace
 
+std::string numberText(const char* format, double number) {
+  std::array<char, 32> text{};
+  std::snprintf(text.data(), text.size(), format, number);
+  return text.data();
+}
+
+void printTable(const std::vector<Row>& rows) {
+  std::vector<int> widths(rows.front().size());
+  for (const Row& row : rows)
+    for (size_t k = 0; k + 1 < row.size(); ++k) widths[k] = std::max(widths[k], int(row[k].size()));
+  for (const Row& row : rows) {
+    for (size_t k = 0; k < row.size(); ++k)
+      std::printf("%s%*s", k == 0 ? "" : "  ", k < 2 ? -widths[k] : widths[k], row[k].c_str());
+    std::printf("\n");
+  }
+}
+
 bool isFolder(const fs::path& output) {
   return !output.has_filename() || fs::is_directory(output);
 }
@@ -118,7 +115,15 @@ std::vector<FileJob> prepareJobs(StreamFormat& format, const std::vector<fs::pat
     written.push_back({"--output", job.output, writable});
   }
   written.push_back({"--stats", stats, {".json"}});
-  prepareFiles(format, read, written);
+  const bool isNew = isFolder(output) && !fs::exists(output);
+  std::error_code failure;  // Whether there is a folder is checked with all files.
+  if (isNew) fs::create_directories(output, failure);
+  try {
+    prepareFiles(format, read, written);
+  } catch (...) {
+    if (isNew) fs::remove(output, failure);
+    throw;
+  }
   return jobs;
 }
 
@@ -135,7 +140,7 @@ void doAll(const std::vector<FileJob>& jobs, const fs::path& stats,
     finishText();
   }
   setSubject({});
-  print(rows);
+  printTable(rows);
   if (!stats.empty()) {
     writeJson(stats, figures);
     printWritten(stats);

@@ -24,6 +24,12 @@ struct Outcome {
   Json figures;  ///< Figures that --stats writes.
 };
 
+/// A line of a table.
+using Row = std::vector<std::string>;
+std::string numberText(const char* format, double number);
+/// Prints a table. Its columns from the third to the last but one are numbers.
+void printTable(const std::vector<Row>& rows);
+
 /// A mesh to read, and the file to make of it.
 struct FileJob {
   std::filesystem::path input, output;
@@ -34,7 +40,8 @@ bool isFolder(const std::filesystem::path& output);
 
 /// Returns a job for each input, after `prepareFiles` for all files. In a folder each output has the name of
 /// its input, and the format that --format names, or that of the input if it is `writable`, or else .stl.
-/// Throws `Error(Usage)` if two inputs have one name, or if several are to become one file.
+/// Makes the folder if there is none. Throws `Error(Usage)` if two inputs have one name, or if several are to
+/// become one file.
 std::vector<FileJob> prepareJobs(StreamFormat& format, const std::vector<std::filesystem::path>& inputs,
                                  const std::filesystem::path& output,
                                  const std::vector<std::string>& readable,

@@ -25,7 +25,7 @@ struct ConvertArguments {
   StreamFormat format;
   std::filesystem::path input, output;
   std::vector<std::filesystem::path> others;  ///< Further inputs; without -o the output.
-  bool half = false;
+  bool half = false, isSplit = false;
   std::string gridName;
   MeshUnits units;
   size_t memoryLimit = 0;
@@ -40,6 +40,37 @@ std::vector<std::string> outputExtensions(const ConvertArguments& arguments) {
   return extensions;
 }
 
+/// Returns some faces of a mesh with the vertices that they use, in their order.
+template <class AnyMesh>
+AnyMesh partOf(const AnyMesh& mesh, const std::vector<uint32_t>& faces) {
+  AnyMesh part{.origin = mesh.origin};
+  std::vector<bool> isUsed(mesh.vertices.size());
+  for (const uint32_t face : faces)
+    for (int c = 0; c < 3; ++c) isUsed[mesh.triangles[face][c]] = true;
+  std::vector<uint32_t> numbers(mesh.vertices.size());
+  for (size_t v = 0; v < isUsed.size(); ++v) {
+    numbers[v] = uint32_t(part.vertices.size());
+    if (isUsed[v]) part.vertices.push_back(mesh.vertices[v]);
+  }
+  for (const uint32_t face : faces) {
+    const glm::uvec3& t = mesh.triangles[face];
+    part.triangles.emplace_back(numbers[t.x], numbers[t.y], numbers[t.z]);
+  }
+  return part;
+}
+
+/// Writes each part of a mesh that is apart into a file of its own: STEM_1.stl and so on.
+template <class AnyMesh>
+void writeParts(const std::filesystem::path& output, const AnyMesh& mesh, const MeshWriteOptions& options) {
+  const std::vector<std::vector<uint32_t>> parts = splitParts(mesh);
+  for (size_t p = 0; p < parts.size(); ++p) {
+    std::filesystem::path path = output;
+    path.replace_filename(output.stem().string() + "_" + std::to_string(p + 1) + output.extension().string());
+    writeMesh(path, partOf(mesh, parts[p]), options);
+    printWritten(path, options);
+  }
+}
+
 template <class AnyMesh>
 Outcome writeConvertedMesh(const ConvertArguments& arguments, AnyMesh& mesh) {
   if (arguments.half || !arguments.gridName.empty())
@@ -52,8 +83,12 @@ Outcome writeConvertedMesh(const ConvertArguments& arguments, AnyMesh& mesh) {
   const MeshWriteOptions options = writeOptions(mesh, {.recenter = arguments.units.recenter,
                                                        .unit = writtenUnit(arguments.units, input),
                                                        .format = arguments.format.output});
-  writeMesh(arguments.output, mesh, options);
-  printWritten(arguments.output, options);
+  if (arguments.isSplit) {
+    writeParts(arguments.output, mesh, options);
+  } else {
+    writeMesh(arguments.output, mesh, options);
+    printWritten(arguments.output, options);
+  }
   const size_t triangles = mesh.triangles.size();
   return {.done = "converted", .trianglesBefore = triangles, .trianglesAfter = triangles, .figures = {}};
 }
@@ -80,6 +115,9 @@ void warnOfDropped(const ConvertArguments& arguments, const Field& field) {
 }
 
 Outcome writeConverted(const ConvertArguments& arguments, Field& field) {
+  if (arguments.isSplit)
+    throw Error(ErrorCode::Usage,
+                "--split is for a mesh, and " + displayName(arguments.input) + " is a field; leave it out");
   convertUnits(field, arguments.units, named(arguments.input, arguments.format.input));
   const std::filesystem::path output = named(arguments.output, arguments.format.output);
   const FieldWriteOptions options{.array = heldArray(field),
@@ -155,6 +193,8 @@ void convertEach(ConvertArguments& arguments) {
 
 void run(ConvertArguments& arguments) {
   findOutput(arguments);
+  if (arguments.isSplit && arguments.output == "-")
+    throw Error(ErrorCode::Usage, "--split writes a file for each part; name a file for --output, not -");
   if (isFolder(arguments.output)) return convertEach(arguments);
   const std::vector<Output> outputs{{"--output", arguments.output, outputExtensions(arguments)}};
   std::vector<Input> files{{arguments.input, meshAndFieldExtensions()}};
@@ -175,6 +215,7 @@ void addConvert(Program& program) {
       "raymap convert bunny.3mf -o bunny.ply\n"
       "  raymap convert body.vdb hull.vdb -o both.vdb     (its grids are 'body' and 'hull')\n"
       "  raymap convert car.glb -o car.3mf --unit mm --up y\n"
+      "  raymap convert plate.stl -o part.stl --split    (part_1.stl, part_2.stl: each part by itself)\n"
       "  raymap convert *.stl -o printable/ --format 3mf --unit mm");
   auto& arguments = command.runs<ConvertArguments>(run);
   addOperand(command, "FIELD|MESH", &arguments.input, "Field or mesh to read");
@@ -189,6 +230,7 @@ void addConvert(Program& program) {
                        {"--grid", &arguments.format.grid},
                        {"--grid-name", &arguments.gridName},
                        {"--half", &arguments.half},
+                       {"--split", &arguments.isSplit},
                        {"--overwrite", &arguments.format.mayOverwrite}});
   addMeshOutputOptions(command, arguments.units);
   addMemoryLimit(command, arguments.memoryLimit);

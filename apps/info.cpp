@@ -6,7 +6,10 @@
 #include <iostream>
 #include <optional>
 #include <string>
+#include <variant>
+#include <vector>
 
+#include "batch.h"
 #include "checks.h"
 #include "commands.h"
 #include "field_info.h"
@@ -27,6 +30,7 @@ constexpr const char* kInfoFooter = R"(Examples:
   raymap info scan.ply --picture scan.png       (shows where the defects are)
   raymap info scan.ply --fast                   (no faces that cross, no thickness)
   raymap info scan.vdb                          (a field: its grid, arrays and range)
+  raymap info *.stl                             (a table with a line for each)
 
 Measured after welding vertices at exactly equal positions. A balanced mesh (every edge used equally often
 in both directions) has a definite inside. For any other, 'raymap generate' finds the most likely one.)";
@@ -93,6 +97,7 @@ void print(const Diagnostics& found, const std::optional<SelfIntersections>& cro
 
 struct InfoArguments {
   std::filesystem::path input, picture;
+  std::vector<std::filesystem::path> others;
   bool isJson = false, isFast = false;
   StreamFormat format;
   MeshUnits units;
@@ -104,6 +109,34 @@ struct InfoArguments {
 /// Returns the unit of all lengths, if it is known.
 std::optional<LengthUnit> unitOf(const InfoArguments& arguments) {
   return unitOf(arguments.units, named(arguments.input, arguments.format.input));
+}
+
+/// Row of a table of several files, and what JSON has of one.
+struct Line {
+  Row row;
+  Json json;
+};
+
+Line lineOf(const Mesh& mesh, const InfoArguments& arguments) {
+  ProgressLine line;
+  const MachineOptions machine = withProgress(arguments.machine, line);
+  const Diagnostics found = diagnose(mesh, {}, machine);
+  std::optional<SelfIntersections> crossings;
+  if (!arguments.isFast) crossings = findSelfIntersections(mesh, machine);
+  const Verdict verdict = crossings ? judge(mesh, found, *crossings, machine) : judge(found, crossings);
+  return {{"", found.watertight ? "yes" : "no", grouped(found.triangles), grouped(found.components),
+           numberText("%.6g", found.signedVolume), describeKind(verdict, found, crossings)},
+          toJson(verdict, found, crossings, unitOf(arguments))};
+}
+
+Line lineOf(const Field& field, const InfoArguments& arguments) {
+  const FieldInfo info = inspect(field);
+  const std::optional<LengthUnit> unit = unitOf(arguments);
+  const glm::ivec3& dims = field.grid.dims;
+  return {{"", "-", "-", "-", "-",
+           "a field of " + std::to_string(dims.x) + " x " + std::to_string(dims.y) + " x " +
+               std::to_string(dims.z) + " samples"},
+          describe(field, info, unit ? nameOf(*unit) : "")};
 }
 
 void inspectMesh(const Mesh& mesh, const InfoArguments& arguments) {
@@ -149,9 +182,51 @@ void inspectField(const Field& field, const InfoArguments& arguments) {
     print(field, info, unitName);
 }
 
+/// Prints a line about each of several files, also after one that cannot be read. Throws `ExitCode` with the
+/// highest exit code of a file, unless that is 0.
+void inspectEach(const InfoArguments& arguments, const std::vector<std::filesystem::path>& inputs) {
+  std::vector<Row> rows{{"file", "watertight", "triangles", "parts", "volume", "what it is"}};
+  Json all = Json::array();
+  int code = 0;
+  for (const std::filesystem::path& input : inputs) {
+    InfoArguments each = arguments;
+    each.input = input;
+    Line line;
+    try {
+      const auto read = loadMeshOrField(input, each.format.input, each.format.grid, each.units);
+      line = std::visit([&](const auto& found) { return lineOf(found, each); }, read);
+    } catch (const Error& error) {
+      if (error.code() == ErrorCode::Cancelled) throw;
+      const Failure failure = describeFailure();
+      printError(failure.message);
+      line = {{"", "-", "-", "-", "-", "failed"}, {{"error", failure.kind}, {"message", failure.message}}};
+      code = std::max(code, failure.code);
+    }
+    line.row.front() = displayName(input);
+    line.json["file"] = input.string();
+    rows.push_back(line.row);
+    all.push_back(line.json);
+  }
+  if (arguments.isJson)
+    std::cout << textOf(all);
+  else
+    printTable(rows);
+  finishText();
+  if (code != 0) throw ExitCode(code);
+}
+
 void run(InfoArguments& arguments) {
   const std::vector<Output> outputs{{"--picture", arguments.picture, {".png"}}};
-  prepareFiles(arguments.format, {{arguments.input, meshAndFieldExtensions()}}, outputs);
+  std::vector<Input> files{{arguments.input, meshAndFieldExtensions()}};
+  for (std::filesystem::path& other : arguments.others) files.push_back({other, meshAndFieldExtensions()});
+  prepareFiles(arguments.format, files, outputs);
+  if (!arguments.others.empty()) {
+    if (!arguments.picture.empty())
+      throw Error(ErrorCode::Usage, "--picture shows one file; give one, or leave it out");
+    std::vector<std::filesystem::path> inputs{arguments.input};
+    inputs.insert(inputs.end(), arguments.others.begin(), arguments.others.end());
+    return inspectEach(arguments, inputs);
+  }
   arguments.units.upright = arguments.camera.up;
   setView(arguments.camera, isZUp(arguments.input, arguments.format.input), arguments.view);
   const auto read =
@@ -167,6 +242,8 @@ void addInfo(Program& program) {
       "info", "Report a mesh's size, topology and defects, or a field's grid and range", kInfoFooter);
   auto& arguments = command.runs<InfoArguments>(run);
   addOperand(command, "MESH|FIELD", &arguments.input, "Mesh or field to read");
+  addOperand(command, "FILE...", &arguments.others, "Further ones: a line of a table for each").isRequired =
+      false;
   addOptions(command, {{"--format", &arguments.format.given}, {"--grid", &arguments.format.grid}});
   addJsonOption(command, arguments.isJson);
   addOptions(command, {{"--overwrite", &arguments.format.mayOverwrite}});

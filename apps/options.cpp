@@ -43,6 +43,10 @@ constexpr OptionRow kRows[] = {
     {"--half", "", "Files", Nothing, "", "",
      "Store the numbers in 16 bits, at half the size: in a .vdb, .npy or .npz to a thousandth of themselves, "
      "in a .nvdb to 1/65535 of the band's width or the largest distance"},
+    {"--split", "", "Files", Nothing, "", "",
+     "Write each part of a mesh that is apart, with the cavities in it, into a file of its own: NAME_1.stl "
+     "and so "
+     "on"},
     {"--overwrite", "-f,--force", "Files", Nothing, "", "", "Allow an output to replace an input"},
     {"--triangle-ids", "", "Files", File, "FILE", "",
      "Also write the index of each sample's closest triangle"},

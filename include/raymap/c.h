@@ -408,6 +408,31 @@ RAYMAP_API raymap_result raymap_sample_points(const raymap_surface* surface, siz
                                               const raymap_options* options,
                                               const raymap_point_sample_arrays* arrays);
 
+/* ---- Distances between surfaces ---- */
+
+/* A point of each of two surfaces, as raymap::SurfacePair. */
+typedef struct raymap_surface_pair {
+  double distance;         /* Distance of the two points. */
+  double bound;            /* Upper bound on the measured distance. */
+  double point[3];         /* Point of the one surface; NaN if they are too far apart. */
+  double other_point[3];   /* Point of the other. */
+  uint32_t triangle;       /* Triangle that holds `point`; UINT32_MAX if there is none. */
+  uint32_t other_triangle; /* Triangle that holds `other_point`. */
+} raymap_surface_pair;
+
+/* Finds the points of two surfaces that are least apart: 0 where faces cross. `pose` takes the other's
+ * coordinates to those of `surface`, as that of raymap_scene_add_surface; NULL = the same coordinates.
+ * Options: only "max_distance" and the progress callback are used; they may be NULL. */
+RAYMAP_API raymap_result raymap_surface_distance(const raymap_surface* surface, const raymap_surface* other,
+                                                 const double pose[16], const raymap_options* options,
+                                                 raymap_surface_pair* found);
+/* Finds the point of `surface`, or with `both_ways` of either, that is farthest from the other one: the
+ * Hausdorff distance. `bound` exceeds it by at most the tolerance; 0 = 1e-4 of the diagonal. Options: only
+ * "threads" and the progress callback are used; they may be NULL. */
+RAYMAP_API raymap_result raymap_surface_hausdorff(const raymap_surface* surface, const raymap_surface* other,
+                                                  const double pose[16], double tolerance, bool both_ways,
+                                                  const raymap_options* options, raymap_surface_pair* found);
+
 /* ---- Regions and narrow bands ---- */
 
 /* Makes the field of a box of samples of a lattice of up to 2^24 samples a side: `extent` samples along each
@@ -439,7 +464,7 @@ RAYMAP_API raymap_field* raymap_surface_generate_band(const raymap_surface* surf
 
 /* ---- Scenes ---- */
 
-/* Bodies with rigid poses, and the signed distance of points of the world to their union. Bodies are numbered
+/* Bodies with poses, and the signed distance of points of the world to their union. Bodies are numbered
  * in the order in which they were added; removing one moves those after it down by one. raymap/scene.h says
  * what distances, closest points and gradients are. Several threads may query a scene at the same time. */
 typedef struct raymap_scene raymap_scene;
@@ -448,9 +473,10 @@ typedef struct raymap_scene raymap_scene;
 RAYMAP_API raymap_scene* raymap_scene_create(void);
 RAYMAP_API void raymap_scene_free(raymap_scene* scene);
 /* Adds a surface or a field after all other bodies. The scene refers to it: the caller frees
- * it after the scene, or once it is removed. The name must not be taken. A pose is a rotation and a
- * translation, 4 rows of 4 numbers that take the body's coordinates to those of the world, (x, y, z, 1) being
- * a column; NULL = the same coordinates. Fails with RAYMAP_ERROR_USAGE if it is no rigid motion, within 1e-5.
+ * it after the scene, or once it is removed. The name must not be taken. A pose is a rotation, a scale
+ * and a translation, 4 rows of 4 numbers that take the body's coordinates to those of the world, (x, y, z, 1)
+ * being a column; NULL = the same coordinates. Fails with RAYMAP_ERROR_USAGE if it is no scaled rigid motion,
+ * within 1e-5.
  */
 RAYMAP_API raymap_result raymap_scene_add_surface(raymap_scene* scene, const char* name,
                                                   const raymap_surface* surface, const double pose[16]);
@@ -459,7 +485,7 @@ RAYMAP_API raymap_result raymap_scene_add_field(raymap_scene* scene, const char*
 /* Removes a body. Fails with RAYMAP_ERROR_USAGE if there is none of this name. */
 RAYMAP_API raymap_result raymap_scene_remove(raymap_scene* scene, const char* name);
 /* Sets a body's pose, which costs nothing. Fails with RAYMAP_ERROR_USAGE if there is none of this name, or
- * the pose is no rigid motion. */
+ * the pose is no scaled rigid motion. */
 RAYMAP_API raymap_result raymap_scene_set_pose(raymap_scene* scene, const char* name, const double pose[16]);
 /* Returns the number of bodies; 0 for NULL. */
 RAYMAP_API size_t raymap_scene_size(const raymap_scene* scene);
@@ -499,6 +525,23 @@ typedef struct raymap_scene_arrays {
 RAYMAP_API raymap_result raymap_scene_query(const raymap_scene* scene, const double* points, size_t count,
                                             const raymap_configurations* configurations,
                                             const raymap_options* options, const raymap_scene_arrays* arrays);
+
+/* Makes the field of the union of a scene: the distances of raymap_scene_query at the samples. Options: only
+ * "band", "threads", "memory_limit" and the callbacks are used; they may be NULL. */
+RAYMAP_API raymap_field* raymap_scene_generate(const raymap_scene* scene, const raymap_grid* grid,
+                                               const raymap_options* options);
+/* Makes a narrow band of it, on a lattice of up to 2^24 samples a side. Options: only "outside", "inside",
+ * "threads", "memory_limit" and the callbacks are used; they may be NULL. */
+RAYMAP_API raymap_field* raymap_scene_generate_band(const raymap_scene* scene, const raymap_grid* grid,
+                                                    const raymap_options* options);
+
+/* Finds the least distance of the two bodies of each pair, of one configuration after the other: `found` has
+ * room for all. `pairs` are two numbers of bodies each, `count` of them; the bodies are surfaces. The points
+ * are in the world. The configurations may be NULL for the scene's own poses. Options: only "max_distance",
+ * "threads" and the progress callback are used; they may be NULL. */
+RAYMAP_API raymap_result raymap_scene_distances(const raymap_scene* scene, const uint32_t* pairs,
+                                                size_t count, const raymap_configurations* configurations,
+                                                const raymap_options* options, raymap_surface_pair* found);
 
 /* ---- Inspection ---- */
 

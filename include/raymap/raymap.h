@@ -36,7 +36,9 @@
 #include <raymap/sample_points.h>
 #include <raymap/scene.h>
 #include <raymap/simplify.h>
+#include <raymap/split.h>
 #include <raymap/surface.h>
+#include <raymap/surface_pair.h>
 #include <raymap/threads.h>
 #include <raymap/verdict.h>
 #include <raymap/version.h>

@@ -7,6 +7,7 @@
 #include <raymap/narrow_band.h>
 #include <raymap/query.h>
 #include <raymap/region.h>
+#include <raymap/surface_pair.h>
 
 #include <memory>
 #include <optional>
@@ -14,6 +15,8 @@
 #include <vector>
 
 namespace raymap {
+
+class Progress;
 
 /// A mesh prepared once for queries at any points. It has a mesh of its own and never changes, so several
 /// threads may use it at the same time.
@@ -88,12 +91,31 @@ class RAYMAP_API Surface {
   std::vector<Thickness> thickness(std::span<const FacePoint> points, const ThicknessOptions& options = {},
                                    const MachineOptions& machine = {}) const;
 
+  /// Returns the points of this surface and of another one that are least apart, in this one's coordinates:
+  /// 0 apart where faces cross. Only the faces count. Exact in double precision. Runs on one thread.
+  /// `machine.progress` is used. Throws `Error`: Usage, if `maxDistance` is not above 0 or the pose is no
+  /// rigid motion; Cancelled.
+  SurfacePair distanceTo(const Surface& other, const PairOptions& options = {},
+                         const MachineOptions& machine = {}) const;
+  /// Returns the point that is farthest from the other surface, the point of that which is closest to it, and
+  /// their distance as `query` measures it, in this one's coordinates: the Hausdorff distance. No other point
+  /// is farther than `bound`, which exceeds the distance by at most the tolerance, unless the search would
+  /// divide the faces into more than 2^24 parts. `machine.threads` and `progress` are used. Throws `Error`:
+  /// Usage, if the tolerance is negative or the pose is no scaled rigid motion; Memory, Cancelled.
+  SurfacePair hausdorff(const Surface& other, const HausdorffOptions& options = {},
+                        const MachineOptions& machine = {}) const;
+  /// Returns the point that is deepest inside, of some: how far they penetrate the mesh. Uses `machine` and
+  /// throws as `query` does, and `Error(Usage)` for a surface without a sign.
+  DeepestPoint deepest(const PointsView& points, const MachineOptions& machine = {}) const;
+
  private:
   friend class Scene;
 
   /// Returns how far from the bounds of the mesh a point may still be inside: 0 for a mesh without boundary
   /// edges, and without a sign. A point that is farther away is outside.
   double insideReach() const;
+  /// Does what `distanceTo` does, without a check.
+  SurfacePair closestPair(const Surface& other, const PairOptions& options, Progress& progress) const;
 
   struct Impl;
   std::unique_ptr<Impl> impl_;

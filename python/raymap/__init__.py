@@ -60,9 +60,11 @@ from ._surface import (
     FacePoints,
     Query,
     Surface,
+    SurfacePair,
     Thickness,
     sample_faces,
     signed_distance,
+    split_parts,
 )
 from ._threads import get_threads, set_threads
 
@@ -136,6 +138,7 @@ __all__ = [
     "SimplifyReport",
     "Stats",
     "Surface",
+    "SurfacePair",
     "Thickness",
     "ThicknessSummary",
     "UnsupportedError",
@@ -163,6 +166,7 @@ __all__ = [
     "set_threads",
     "signed_distance",
     "simplify",
+    "split_parts",
     "test_device",
     "zarr",
 ]

@@ -3,18 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
+from itertools import combinations
 from typing import Any, Literal, NamedTuple, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
 
 from . import _arrays, _raymap, _views
-from ._arguments import to_names, to_text
+from ._arguments import to_length, to_names, to_text
 from ._errors import InputError
-from ._field import Field, core_of_field
+from ._field import Field, core_of_field, field_of_core
+from ._generate import SurfaceFieldOptions, fit_grid
 from ._options import core_options
 from ._progress import Progress, reporting
-from ._surface import Surface, core_of_surface
+from ._surface import Surface, SurfacePair, core_of_surface
 
 #: Name of what ``Scene.query`` can compute.
 SceneArray: TypeAlias = Literal["distance", "body", "closest", "gradient", "distances", "triangle"]
@@ -48,14 +50,14 @@ class SceneQuery(NamedTuple):
 
 
 class Scene:
-    """Bodies with rigid poses, and the signed distance of points of the world to their union, negative inside.
+    """Bodies with poses, and the signed distance of points of the world to their union, negative inside.
 
     A body is a ``Surface`` or a ``Field``, which the scene shares with its owner, or a mesh or the path
     of one, of which it makes a ``Surface``. Its pose takes the body's coordinates to those of the world. Poses change at no cost. Bodies are numbered in the order in which they
     were added; removing one moves those after it down by one.
 
-    A pose is a 4x4 matrix with a rotation, a translation in its last column, and the last row 0 0 0 1. Inner products
-    of its axes may differ from those of a rotation by 1e-5, as those of float32 do; distances may be wrong by the same
+    A pose is a 4x4 matrix with a rotation, which may be scaled evenly, a translation in its last column, and the last
+    row 0 0 0 1. Distances are those in the world. Inner products of its axes may differ from those of a rotation by 1e-5, as those of float32 do; distances may be wrong by the same
     share.
 
     Distances to a surface are those of ``Surface.query``, bit for bit, computed in float64. A surface without a sign has
@@ -96,7 +98,7 @@ class Scene:
 
         Raises:
             TypeError: The body is something else.
-            UsageError: The name is empty or taken, the field has no distances, or the pose is no rigid motion.
+            UsageError: The name is empty or taken, the field has no distances, or the pose is no scaled rigid motion.
             InputError, FileError: The mesh is not valid, or cannot be read.
 
         >>> scene = raymap.Scene()
@@ -121,7 +123,7 @@ class Scene:
         """Sets the pose of a body, (4, 4), which costs nothing.
 
         Raises:
-            UsageError: There is no body of this name, or the pose is no rigid motion.
+            UsageError: There is no body of this name, or the pose is no scaled rigid motion.
         """
         self._core.set_pose(to_text("name", name), _arrays.to_poses("pose", pose, (4, 4))[None])
 
@@ -140,7 +142,7 @@ class Scene:
         """Poses of all bodies, (bodies, 4, 4), in their order. A copy; setting it sets all of them.
 
         Raises:
-            UsageError: On setting: more or fewer poses, or one that is no rigid motion. None is set then.
+            UsageError: On setting: more or fewer poses, or one that is no scaled rigid motion. None is set then.
         """
         return np.asarray(self._core.poses())
 
@@ -203,7 +205,7 @@ class Scene:
             progress: A callable that receives a stage and its share, 0 to 1; True to show it.
 
         Raises:
-            UsageError: An unknown name, a pose that is no rigid motion (the message names body and configuration), or a
+            UsageError: An unknown name, a pose that is no scaled rigid motion (the message names body and configuration), or a
                 ``max_distance`` that is not above 0.
             InputError: Points or poses of another shape.
             MemoryLimitError: The results do not fit into memory.
@@ -235,6 +237,103 @@ class Scene:
             return _arrays.like(array.reshape(leading + array.shape[1:]), points)
 
         return SceneQuery(*(result(name) if name in names else None for name in SceneQuery._fields))
+
+    @property
+    def bounds(self) -> npt.NDArray[np.float64]:
+        """Lowest and highest corner of a box of the world that holds the bounds of all bodies, (2, 3)."""
+        return np.array(self._core.bounds())
+
+    def generate(
+        self,
+        *,
+        resolution: int = 128,
+        voxel_size: float | None = None,
+        bounds: npt.ArrayLike | None = None,
+        padding: float | None = None,
+        band: float | None = None,
+        sparse: bool = False,
+        threads: int | None = None,
+        memory_limit: int | None = None,
+        progress: Progress = None,
+    ) -> Field:
+        """Returns a field of the union of the bodies: the distances of ``query`` at its samples, as float32.
+
+        Args:
+            resolution: Number of samples along the longest side.
+            voxel_size: Distance between samples in place of it, in the world's units.
+            bounds: Box that the field covers, (2, 3); None = that of the scene, with the padding.
+            padding: Space around the scene, as a share of its diagonal; None = 0.1.
+            band: Number of samples at which distances are clamped; of a narrow band, its width on both sides, 3 if None.
+            sparse: Whether to make a narrow band.
+            threads: Number of CPU threads; None = ``raymap.get_threads()``.
+            memory_limit: Most bytes that the field may take; None = what is available.
+            progress: A callable that receives a stage and its share, 0 to 1; True to show it.
+
+        Raises:
+            UsageError: Arguments that make no sense.
+            MemoryLimitError: The field needs more memory than allowed.
+            Cancelled: ``progress`` returned False.
+
+        >>> scene = raymap.Scene({"ball": raymap.Surface("ball.ply")})
+        >>> field = scene.generate(resolution=32)
+        >>> position = field.origin + field.spacing * np.array((16, 16, 16))
+        >>> bool(np.isclose(field.distance[16, 16, 16], scene.signed_distance(position)))
+        True
+        """
+        given: SurfaceFieldOptions = {"resolution": resolution}
+        if voxel_size is not None:
+            given["voxel_size"] = voxel_size
+        if bounds is not None:
+            given["bounds"] = bounds
+        if padding is not None:
+            given["padding"] = padding
+        grid = fit_grid(self._core.fit_grid, given)
+        width = None if band is None else to_length("band", band)
+        widths = {"outside": width, "inside": width} if sparse else {"band": width}
+        options = core_options(widths, threads=threads, memory_limit=memory_limit)
+        with reporting(progress) as report:
+            return field_of_core(self._core.generate(grid, bool(sparse), options, report))
+
+    def distances_between(
+        self,
+        pairs: Iterable[tuple[str, str]] | None = None,
+        poses: Any = None,
+        *,
+        max_distance: float | None = None,
+        threads: int | None = None,
+        progress: Progress = None,
+    ) -> SurfacePair:
+        """Returns the least distances of bodies that are surfaces: 0 where they cross. Points are in the world.
+
+        Args:
+            pairs: Names of the two bodies of each pair; None = each body with each other.
+            poses: Poses of all bodies in place of the scene's own, (bodies, 4, 4), or in many configurations,
+                (configurations, bodies, 4, 4). Results of these are (configurations, pairs).
+            max_distance: Bodies as far or farther get this distance, ``raymap.NO_TRIANGLE``, and NaN for the points.
+                Smaller is faster. None = no limit.
+            threads: Number of CPU threads, which the pairs share; None = ``raymap.get_threads()``.
+            progress: A callable that receives a stage and its share, 0 to 1; True to show it.
+
+        Raises:
+            UsageError: A body is a field or does not exist, a pose is no scaled rigid motion, or ``max_distance`` is not above 0.
+            InputError: Poses of another shape.
+            Cancelled: ``progress`` returned False.
+
+        >>> ball = raymap.Surface("ball.ply")
+        >>> scene = raymap.Scene({"left": ball, "right": ball})
+        >>> scene.set_pose("right", [[1, 0, 0, 5], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]])
+        >>> scene.distances_between([("left", "right")]).distance.round(2)
+        array([3.])
+        """
+        named = combinations(self.names, 2) if pairs is None else pairs
+        numbers = [(self._core.number(first), self._core.number(second)) for first, second in named]
+        rows = _arrays.to_poses("poses", self.poses if poses is None else poses, (len(self), 4, 4), many=True)
+        shape = (*rows.shape[:-3], len(numbers))
+        count = len(rows) if rows.ndim == 4 else 1
+        options = core_options(max_distance=max_distance, threads=threads)
+        with reporting(progress) as report:
+            found = self._core.distances_between(numbers, rows.reshape(-1, 4, 4), count, options, report)
+        return SurfacePair(**{name: array.reshape(shape + array.shape[1:]) for name, array in found.items()})
 
     def _configurations(
         self, poses: Any, shape: tuple[int, ...]

@@ -66,6 +66,27 @@ class Query(NamedTuple, Generic[_Numbers, _Wholes, _Floats]):
     """Confidences in the sign, (...) float32, 0 to 1."""
 
 
+@_views.shown
+class SurfacePair(NamedTuple):
+    """Result of ``Surface.distance_to``, ``Surface.hausdorff`` and ``Scene.distances_between``: a point of each of two surfaces.
+
+    Members of a scene's result are arrays over the pairs, or (configurations, pairs).
+    """
+
+    distance: Any
+    """Distance of the two points."""
+    bound: Any
+    """Upper bound on the measured distance: ``distance`` itself of a least distance."""
+    point: Any
+    """Point of the one surface, (3,); NaN if they are too far apart."""
+    other_point: Any
+    """Point of the other."""
+    triangle: Any
+    """Triangle that holds ``point``; ``raymap.NO_TRIANGLE`` if there is none."""
+    other_triangle: Any
+    """Triangle that holds ``other_point``."""
+
+
 class CallOptions(TypedDict, total=False):
     """Keyword arguments of what asks a surface at points."""
 
@@ -220,7 +241,7 @@ class Surface:
             progress: A callable that receives a stage and its share, 0 to 1; True to show it.
 
         Raises:
-            UsageError: ``transform`` is no rigid motion.
+            UsageError: ``transform`` is no scaled rigid motion.
             InputError: Points or a transform of another shape.
             MemoryLimitError: The results do not fit into memory.
             Cancelled: ``progress`` returned False.
@@ -356,6 +377,79 @@ class Surface:
                 converted = array.astype(flat.dtype, copy=False) if array.dtype == np.float64 else array
             found[name] = converted.reshape(shape if array.ndim == 2 else shape[:-1])
         return found
+
+    def distance_to(
+        self,
+        other: Surface,
+        transform: npt.ArrayLike | None = None,
+        *,
+        max_distance: float | None = None,
+        progress: Progress = None,
+    ) -> SurfacePair:
+        """Returns the points of this surface and of another that are least apart, in this one's coordinates.
+
+        Surfaces whose faces cross are 0 apart. Only the faces count. Exact in float64.
+
+        Args:
+            other: The other surface.
+            transform: Its pose, (4, 4), which takes its coordinates to those of this one. A change costs nothing. None =
+                they are the same.
+            max_distance: Surfaces as far or farther get this distance, ``raymap.NO_TRIANGLE``, and NaN for the points.
+                Smaller is faster. None = no limit.
+            progress: A callable that receives a stage and its share, 0 to 1; True to show it.
+
+        Raises:
+            UsageError: ``transform`` is no scaled rigid motion, or ``max_distance`` is not above 0.
+            InputError: A transform of another shape.
+            Cancelled: ``progress`` returned False.
+
+        >>> ball = raymap.Surface("ball.ply")
+        >>> found = ball.distance_to(ball, [[1, 0, 0, 5], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]])
+        >>> round(found.distance, 2), found.point.round(2), found.other_point.round(2)
+        (3.0, array([1., 0., 0.]), array([4., 0., 0.]))
+        """
+        options = core_options(max_distance=max_distance)
+        with reporting(progress) as report:
+            return _pair_of(self._core.distance_to(other._core, _to_rows(transform), options, report))
+
+    def hausdorff(
+        self,
+        other: Surface,
+        transform: npt.ArrayLike | None = None,
+        *,
+        tolerance: float | None = None,
+        both_ways: bool = True,
+        threads: int | None = None,
+        progress: Progress = None,
+    ) -> SurfacePair:
+        """Returns the point that is farthest from the other surface, and that one's closest point: the Hausdorff distance.
+
+        No other point of the faces is farther than ``bound``. The points are in this surface's coordinates.
+
+        Args:
+            other: The other surface.
+            transform: Its pose, as for ``distance_to``.
+            tolerance: Most that ``bound`` exceeds the distance. None = 1e-4 of the diagonal of this surface's bounds.
+            both_ways: Whether the farthest point may lie on either surface, or only on this one.
+            threads: Number of CPU threads; None = ``raymap.get_threads()``.
+            progress: A callable that receives a stage and its share, 0 to 1; True to show it.
+
+        Raises:
+            UsageError: ``transform`` is no scaled rigid motion, or ``tolerance`` is not above 0.
+            InputError: A transform of another shape.
+            MemoryLimitError: The search does not fit into memory.
+            Cancelled: ``progress`` returned False.
+
+        >>> ball = raymap.Surface("ball.ply")
+        >>> found = ball.hausdorff(ball, [[1, 0, 0, 0.5], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]])
+        >>> round(found.distance, 2), bool(found.distance <= found.bound <= found.distance + 1e-3)
+        (0.5, True)
+        """
+        most = 0.0 if tolerance is None else to_number("tolerance", tolerance, above=0.0)
+        options = core_options(threads=threads)
+        with reporting(progress) as report:
+            found = self._core.hausdorff(other._core, _to_rows(transform), most, bool(both_ways), options, report)
+        return _pair_of(found)
 
     def generate(self, *, sparse: bool = False, **options: Unpack[SurfaceFieldOptions]) -> Field:
         """Returns a field of the mesh, negative inside, which agrees with what the surface says at points.
@@ -633,6 +727,32 @@ def sample_faces(mesh_or_vertices: Any, faces: Any = None, *, step: float) -> Fa
     return FacePoints(*_raymap.sample_faces(core_of(_inputs.to_mesh(mesh_or_vertices, faces)), to_number("step", step, above=0.0)))
 
 
+def split_parts(mesh_or_vertices: Any, faces: Any = None) -> list[Mesh]:
+    """Returns each part of a mesh that is apart, with the sealed cavities in it, in the order of their first faces.
+
+    A part is connected through vertices at exactly equal positions.
+
+    Args:
+        mesh_or_vertices: A mesh, the path of a file, or positions, (n, 3), as for ``raymap.Surface``.
+        faces: Three vertex numbers per triangle, (m, 3), if positions are given.
+
+    Raises:
+        InputError: The mesh is not valid.
+        FileError: The file cannot be read.
+
+    >>> ball = raymap.load_mesh("ball.ply")
+    >>> both = raymap.Mesh(np.concatenate([ball.vertices, ball.vertices + 5]), np.concatenate([ball.faces, ball.faces + len(ball.vertices)]))
+    >>> [len(part.faces) for part in raymap.split_parts(both)]
+    [1280, 1280]
+    """
+    mesh = _inputs.to_mesh(mesh_or_vertices, faces)
+    parts = []
+    for chosen in _raymap.split_parts(core_of(mesh)):
+        used, numbers = np.unique(mesh.faces[chosen], return_inverse=True)
+        parts.append(Mesh(mesh.vertices[used], numbers.reshape(-1, 3)))
+    return parts
+
+
 def _to_box(
     low: Iterable[int], size: Iterable[int], origin: npt.ArrayLike, spacing: float, dims: Iterable[int]
 ) -> tuple[Vector, float, Whole3, Whole3, Whole3]:
@@ -644,6 +764,16 @@ def _to_box(
         to_wholes("low", low),
         to_wholes("size", size, least=1),
     )
+
+
+def _to_rows(transform: npt.ArrayLike | None) -> npt.NDArray[np.float64]:
+    """Returns a pose as the extension module takes it."""
+    return _arrays.to_poses("transform", np.eye(4) if transform is None else transform, (4, 4))[None]
+
+
+def _pair_of(found: dict[str, Any]) -> SurfacePair:
+    """Returns the only one of some pairs."""
+    return SurfacePair(**{name: array[0] if array.ndim > 1 else array[0].item() for name, array in found.items()})
 
 
 def core_of_surface(surface: Surface) -> _raymap.Surface:

@@ -20,6 +20,7 @@
 #include <raymap/mesh_view.h>
 #include <raymap/named_options.h>
 #include <raymap/narrow_band.h>
+#include <raymap/surface_pair.h>
 
 #include <initializer_list>
 #include <memory>
@@ -29,6 +30,7 @@
 #include <string_view>
 #include <tuple>
 #include <utility>
+#include <vector>
 
 namespace raymap::python {
 
@@ -86,6 +88,12 @@ nb::ndarray<nb::numpy, Number> toArray(Elements elements, std::initializer_list<
                           [](void* given) noexcept { delete static_cast<Elements*>(given); });
   return {numbers, shape, owner};
 }
+
+/// Poses as NumPy lays them out: rows of 4 numbers.
+using PoseArray = nb::ndarray<const double, nb::shape<-1, 4, 4>, nb::c_contig, nb::device::cpu>;
+std::vector<glm::dmat4> toPoses(const PoseArray& rows);
+/// Returns the members of pairs as arrays.
+nb::dict pairsToDict(const std::vector<SurfacePair>& pairs);
 
 void bindDevices(nb::module_& module);
 void bindDiagnostics(nb::module_& module);

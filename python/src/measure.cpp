@@ -1,5 +1,6 @@
 #include <raymap/mesh_thickness.h>
 #include <raymap/simplify.h>
+#include <raymap/split.h>
 
 #include "call.h"
 #include "records.h"
@@ -74,6 +75,17 @@ std::pair<std::shared_ptr<MeshHandle>, nb::dict> simplifyMesh(const MeshHandle& 
 }  // namespace
 
 void bindMeasure(nb::module_& module) {
+  module.def(
+      "split_parts",
+      [](const MeshHandle& mesh) {
+        nb::list parts;
+        for (std::vector<uint32_t>& faces : splitParts(mesh.view)) {
+          const size_t count = faces.size();
+          parts.append(toArray<uint32_t>(std::move(faces), {count}));
+        }
+        return parts;
+      },
+      "mesh"_a);
   module.def("sample_faces", &facePoints, "mesh"_a, "step"_a);
   module.def("thickness", &measure, "surface"_a, "points"_a, "triangles"_a, "options"_a, "progress"_a.none());
   module.def("summarize_thickness", &summarize, "surface"_a, "options"_a, "progress"_a.none());

@@ -1,23 +1,13 @@
 #include <raymap/scene.h>
 
 #include "call.h"
+#include "records.h"
 
 namespace raymap::python {
 
 namespace {
 
-/// Poses as NumPy lays them out: rows of 4 numbers.
-using PoseArray = nb::ndarray<const double, nb::shape<-1, 4, 4>, nb::c_contig, nb::device::cpu>;
 using WorldPoints = nb::ndarray<const double, nb::shape<-1, 3>, nb::c_contig, nb::device::cpu>;
-
-std::vector<glm::dmat4> toPoses(const PoseArray& rows) {
-  std::vector<glm::dmat4> poses(rows.shape(0));
-  for (size_t i = 0; i < poses.size(); ++i)
-    for (int row = 0; row < 4; ++row)
-      for (int column = 0; column < 4; ++column)
-        poses[i][column][row] = rows.data()[16 * i + 4 * size_t(row) + size_t(column)];
-  return poses;
-}
 
 glm::dmat4 toPose(const PoseArray& rows) {
   return toPoses(rows).at(0);
@@ -83,7 +73,73 @@ nb::dict queryConfigurations(const Scene& self, const WorldPoints& points, const
   return toDict(std::move(result), asked, total, self.size());
 }
 
+nb::dict distancesBetween(const Scene& self, const std::vector<std::pair<uint32_t, uint32_t>>& pairs,
+                          const PoseArray& rows, size_t count, const AllOptions& options,
+                          nb::object progress) {
+  Call call(std::move(progress));
+  std::vector<glm::uvec2> asked;
+  for (const auto& [first, second] : pairs) asked.emplace_back(first, second);
+  const std::vector<glm::dmat4> poses = toPoses(rows);
+  std::vector<SurfacePair> found;
+  call.run([&] {
+    found = self.distancesBetween(asked, {poses, count}, options.scene.maxDistance, call.on(options.machine));
+  });
+  return pairsToDict(found);
+}
+
+Bounds boundsOf(const Scene& self) {
+  const auto [low, high] = corners(self.bounds());
+  return {toTriple(low), toTriple(high)};
+}
+
+Grid fitSceneGrid(const Scene& self, const AllOptions& options) {
+  return fitGrid(self.bounds(), options.grid);
+}
+
+std::shared_ptr<FieldHandle> generateUnion(const Scene& self, const Grid& grid, bool isSparse,
+                                           const AllOptions& options, nb::object progress) {
+  Call call(std::move(progress));
+  const auto result = std::make_shared<FieldHandle>();
+  call.run([&] {
+    const MachineOptions machine = call.on(options.machine);
+    result->field = isSparse ? self.generateBand(grid, options.band, machine)
+                             : self.generate(grid, options.field.band, machine);
+  });
+  result->stats.device = "cpu";
+  return result;
+}
+
 }  // namespace
+
+std::vector<glm::dmat4> toPoses(const PoseArray& rows) {
+  std::vector<glm::dmat4> poses(rows.shape(0));
+  for (size_t i = 0; i < poses.size(); ++i)
+    for (int row = 0; row < 4; ++row)
+      for (int column = 0; column < 4; ++column)
+        poses[i][column][row] = rows.data()[16 * i + 4 * size_t(row) + size_t(column)];
+  return poses;
+}
+
+nb::dict pairsToDict(const std::vector<SurfacePair>& pairs) {
+  std::vector<double> distance, bound, point, otherPoint;
+  std::vector<uint32_t> triangle, otherTriangle;
+  for (const SurfacePair& pair : pairs) {
+    distance.push_back(pair.distance);
+    bound.push_back(pair.bound);
+    triangle.push_back(pair.triangle);
+    otherTriangle.push_back(pair.otherTriangle);
+    for (int a = 0; a < 3; ++a) point.push_back(pair.point[a]), otherPoint.push_back(pair.otherPoint[a]);
+  }
+  nb::dict dict;
+  const size_t count = pairs.size();
+  dict["distance"] = toArray<double>(std::move(distance), {count});
+  dict["bound"] = toArray<double>(std::move(bound), {count});
+  dict["point"] = toArray<double>(std::move(point), {count, 3});
+  dict["other_point"] = toArray<double>(std::move(otherPoint), {count, 3});
+  dict["triangle"] = toArray<uint32_t>(std::move(triangle), {count});
+  dict["other_triangle"] = toArray<uint32_t>(std::move(otherTriangle), {count});
+  return dict;
+}
 
 void bindScene(nb::module_& module) {
   nb::class_<Scene>(module, "Scene")
@@ -114,6 +170,11 @@ void bindScene(nb::module_& module) {
       .def_prop_ro("names", &Scene::names)
       .def(
           "number", [](const Scene& self, std::string_view name) { return self.number(name); }, "name"_a)
+      .def("bounds", &boundsOf)
+      .def("fit_grid", &fitSceneGrid, "options"_a)
+      .def("generate", &generateUnion, "grid"_a, "sparse"_a, "options"_a, "progress"_a.none())
+      .def("distances_between", &distancesBetween, "pairs"_a, "poses"_a.noconvert(), "count"_a, "options"_a,
+           "progress"_a.none())
       .def("query", &queryScene, "points"_a.noconvert(), "arrays"_a, "without"_a, "options"_a,
            "progress"_a.none())
       .def("query_many", &queryConfigurations, "points"_a.noconvert(), "poses"_a.noconvert(), "count"_a,

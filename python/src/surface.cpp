@@ -60,6 +60,24 @@ std::optional<double> farDistance(const Surface& self, const Triple& origin, dou
                           options.region);
 }
 
+nb::dict distanceTo(const Surface& self, const Surface& other, const PoseArray& pose,
+                    const AllOptions& options, nb::object progress) {
+  Call call(std::move(progress));
+  std::vector<SurfacePair> found(1);
+  const PairOptions how{toPoses(pose).at(0), options.query.maxDistance};
+  call.run([&] { found[0] = self.distanceTo(other, how, call.on(options.machine)); });
+  return pairsToDict(found);
+}
+
+nb::dict hausdorff(const Surface& self, const Surface& other, const PoseArray& pose, double tolerance,
+                   bool bothWays, const AllOptions& options, nb::object progress) {
+  Call call(std::move(progress));
+  std::vector<SurfacePair> found(1);
+  const HausdorffOptions how{toPoses(pose).at(0), tolerance, bothWays};
+  call.run([&] { found[0] = self.hausdorff(other, how, call.on(options.machine)); });
+  return pairsToDict(found);
+}
+
 /// Returns the arrays that the options ask for, by name.
 nb::dict toDict(QueryResult result, const QueryOptions& options, size_t count) {
   nb::dict dict;
@@ -129,6 +147,9 @@ void bindSurface(nb::module_& module) {
       .def("far_distance", &farDistance, "origin"_a, "spacing"_a, "dims"_a, "low"_a, "size"_a, "options"_a)
       .def("query", &query<float>, "points"_a.noconvert(), "arrays"_a, "options"_a, "progress"_a.none())
       .def("query", &query<double>, "points"_a.noconvert(), "arrays"_a, "options"_a, "progress"_a.none())
+      .def("distance_to", &distanceTo, "other"_a, "pose"_a.noconvert(), "options"_a, "progress"_a.none())
+      .def("hausdorff", &hausdorff, "other"_a, "pose"_a.noconvert(), "tolerance"_a, "both_ways"_a,
+           "options"_a, "progress"_a.none())
       .def("stats", [](const Surface& self) { return toPython(self.stats()); })
       .def("vertices", &surfaceVertices)
       .def("faces", &surfaceFaces)

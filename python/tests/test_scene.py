@@ -97,7 +97,7 @@ def test_a_moved_surface(ball_surface):
     distance = ball_surface.signed_distance(points, transform=made)
     np.testing.assert_allclose(distance, ball_surface.signed_distance(in_body(points, made)), atol=1e-12)
     assert ball_surface.signed_distance(points.astype(np.float32), transform=made).dtype == np.float32
-    with pytest.raises(raymap.UsageError, match="scales: its x axis has the length 2 instead of 1"):
+    with pytest.raises(raymap.UsageError, match="scales unevenly: its x axis has the length 2"):
         ball_surface.signed_distance(points, transform=np.diag([2, 1, 1, 1]))
     with pytest.raises(raymap.InputError, match=r"transform must be \(4, 4\) numbers, not of the shape \(3, 4\)"):
         ball_surface.signed_distance(points, transform=np.eye(4)[:3])
@@ -207,11 +207,11 @@ def test_an_empty_scene_is_far_everywhere():
 def test_wrong_poses_are_named(scene):
     poses = random_poses(4, 3)
     poses[2, 1, 0, 3] = np.nan
-    with pytest.raises(raymap.UsageError, match="the pose of body 'egg' in configuration 2 is no rigid motion: it has a "
+    with pytest.raises(raymap.UsageError, match="the pose of body 'egg' in configuration 2 is no scaled rigid motion: it has a "
                        "number that is not finite in row 0, column 3"):  # fmt: skip
         scene.signed_distance((np.zeros((1, 3))), poses)
     before = scene.poses
-    with pytest.raises(raymap.UsageError, match="the pose of body 'again' is no rigid motion: it mirrors"):
+    with pytest.raises(raymap.UsageError, match="the pose of body 'again' is no scaled rigid motion: it mirrors"):
         scene.poses = [np.eye(4), np.eye(4), np.diag([1, 1, -1, 1])]
     with pytest.raises(raymap.UsageError, match="the translation belongs into the last column"):
         scene.set_pose("egg", pose((1, 0, 0), 0, (1, 2, 3)).T)
@@ -242,3 +242,22 @@ def test_threads_share_a_scene(scene):
 def test_progress_cancels(scene):
     with pytest.raises(raymap.Cancelled):
         scene.signed_distance(random_points(50_000), random_poses(5, 3), progress=lambda stage, done: False)
+
+
+def test_poses_may_scale(ball_surface):
+    made = pose((1, 2, 3), 0.7, (4, 5, 6))
+    made[:3, :3] *= 2
+    points = random_points(100) + 4
+    alone = 2 * ball_surface.signed_distance((points - made[:3, 3]) @ made[:3, :3] / 4)
+    np.testing.assert_allclose(ball_surface.signed_distance(points, transform=made), alone, atol=1e-12)
+
+
+def test_fields_are_those_of_the_union(scene):
+    field = scene.generate(resolution=24, padding=0.2)
+    positions = np.stack(np.indices(field.distance.shape), -1) * field.spacing + field.origin
+    np.testing.assert_array_equal(field.distance, scene.signed_distance(positions).astype(np.float32))
+    band = scene.generate(voxel_size=field.spacing, bounds=scene.bounds, band=2, sparse=True)
+    assert band.is_narrow and band.active_count > 0
+    assert abs(scene.generate(resolution=8, band=1).distance).max() <= scene.generate(resolution=8).spacing * 1.001
+    with pytest.raises(raymap.UsageError, match="band"):
+        scene.generate(band=-1)

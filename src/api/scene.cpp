@@ -8,7 +8,9 @@
 #include <utility>
 #include <variant>
 
-#include "api/rigid_pose.h"
+#include "api/check_band.h"
+#include "api/scene_band.h"
+#include "base/memory.h"
 #include "base/morton.h"
 #include "base/parallel.h"
 #include "base/progress.h"
@@ -18,6 +20,7 @@
 #include "cpu/points/point_cells.h"
 #include "field/field_sampler.h"
 #include "method/points_view.h"
+#include "method/pose.h"
 
 namespace raymap {
 
@@ -38,8 +41,8 @@ constexpr size_t kFewBodies = 8, kFewPoints = 511;
 /// within a fourth of that, and those of a field within a tenth.
 constexpr double kInexact = 4e-6;
 
-/// Lengths in a body's coordinates may be longer by this factor, as poses are rigid within 1e-5, and
-/// positions may be wrong by this share.
+/// Lengths in a body's coordinates may be longer by this factor than the scale says, as poses are rigid
+/// within 1e-5, and positions may be wrong by this share.
 constexpr double kStretch = 1.0001, kRounding = 1e-14;
 
 /// Nothing is known of distances whose squares overflow.
@@ -89,6 +92,7 @@ struct FieldShape {
   explicit FieldShape(std::shared_ptr<const Field> given)
       : field(std::move(given)),
         samples{field->grid.origin, field->grid.position(field->grid.dims - 1)},
+        bounds(field->surfaceBounds.isEmpty() ? samples : field->surfaceBounds),
         slack(slackOf(samples)),
         isBounded(!field->surfaceBounds.isEmpty() &&
                   std::ranges::none_of(field->distance, [](float d) { return std::isnan(d); })) {}
@@ -102,6 +106,7 @@ struct FieldShape {
 
   std::shared_ptr<const Field> field;
   Box samples;     ///< Box of the samples.
+  Box bounds;      ///< Bounds of the surface; those of the samples if they are not known.
   double slack;    ///< Bound on the rounding of positions and distances.
   bool isBounded;  ///< Whether the bounds of the surface are known, and no distance is NaN.
 };
@@ -112,8 +117,11 @@ struct Body {
   std::string name;
   Shape shape;
 
-  double lowerBound(const glm::dvec3& p, double radius = 0.0) const {
-    return std::visit([&](const auto& of) { return of.lowerBound(p, radius); }, shape);
+  /// Returns a lower bound in the world within a radius about a point of the world.
+  double lowerBound(const glm::dmat4& pose, const glm::dvec3& world, double radius = 0.0) const {
+    const glm::dvec3 p = movedBack(pose, world);
+    const double scale = scaleOf(pose);
+    return scale * std::visit([&](const auto& of) { return of.lowerBound(p, radius / scale); }, shape);
   }
 };
 
@@ -123,16 +131,17 @@ struct BodyAnswers {
   Samples field;
 };
 
-void ask(const SurfaceShape& shape, const Buffer<glm::dvec3>& points, const SceneOptions& options,
-         BodyAnswers& answers) {
+/// Asks about points up to a largest distance, both in the coordinates of the body.
+void ask(const SurfaceShape& shape, const Buffer<glm::dvec3>& points, double most,
+         const SceneOptions& options, BodyAnswers& answers) {
   const QueryOptions asked{.closest = options.closest,
                            .triangle = options.triangle,
                            .direction = options.gradient,
-                           .maxDistance = options.maxDistance};
+                           .maxDistance = most};
   shape.surface->query(points, asked, answers.surface);
 }
 
-void ask(const FieldShape& shape, const Buffer<glm::dvec3>& points, const SceneOptions& options,
+void ask(const FieldShape& shape, const Buffer<glm::dvec3>& points, double, const SceneOptions& options,
          BodyAnswers& answers) {
   sample(*shape.field, points, {.gradients = options.closest || options.gradient}, answers.field);
 }
@@ -144,10 +153,21 @@ struct Answer {
   uint32_t triangle = kNoTriangle;
 };
 
+/// Returns the answer at a point that is too far from the surface.
+Answer farAnswer(double distance, const SceneOptions& options) {
+  return {.distance = std::copysign(options.maxDistance, distance),
+          .closest = glm::dvec3(kNaN),
+          .gradient = glm::dvec3(kNaN)};
+}
+
 Answer answerAt(const SurfaceShape&, const BodyAnswers& answers, size_t i, const glm::dmat4& pose,
                 const glm::dvec3&, const SceneOptions& options) {
   const QueryResult& found = answers.surface;
-  Answer answer{.distance = found.distance[i]};
+  const double scale = scaleOf(pose);
+  Answer answer{.distance = scale * found.distance[i]};
+  const double apart = std::abs(answer.distance);
+  if (apart > options.maxDistance || (scale != 1.0 && apart == options.maxDistance))
+    return farAnswer(answer.distance, options);
   if (options.triangle) answer.triangle = found.triangle[i];
   if (options.closest) answer.closest = moved(pose, found.closest[i]);
   // Subtracting from 0 makes no negative zeros.
@@ -160,11 +180,8 @@ Answer answerAt(const SurfaceShape&, const BodyAnswers& answers, size_t i, const
 Answer answerAt(const FieldShape&, const BodyAnswers& answers, size_t i, const glm::dmat4& pose,
                 const glm::dvec3& point, const SceneOptions& options) {
   const Samples& found = answers.field;
-  Answer answer{.distance = found.distance[i]};
-  if (std::abs(answer.distance) > options.maxDistance)
-    return {.distance = std::copysign(options.maxDistance, answer.distance),
-            .closest = glm::dvec3(kNaN),
-            .gradient = glm::dvec3(kNaN)};
+  Answer answer{.distance = scaleOf(pose) * found.distance[i]};
+  if (std::abs(answer.distance) > options.maxDistance) return farAnswer(answer.distance, options);
   if (found.gradient.empty()) return answer;
   answer.gradient = turned(pose, glm::dvec3(found.gradient[i]));
   answer.closest = point - answer.distance * (answer.gradient / glm::length(answer.gradient));
@@ -322,7 +339,7 @@ class SceneQuery {
   }
 
   double lowerBound(const Cell& cell, size_t k, size_t body) const {
-    return bodies_[body].lowerBound(movedBack(cell.poses[body], world_[k]));
+    return bodies_[body].lowerBound(cell.poses[body], world_[k]);
   }
 
   /// Finds the body of the least lower bound for each point.
@@ -392,9 +409,11 @@ class SceneQuery {
     std::vector<double> bounds;
     bounds.reserve(among.size());
     for (const uint32_t b : among) {
-      const glm::dvec3 p = movedBack(cells_[begin].poses[b], centre);
-      const double reach = radius + kRounding * (std::abs(p.x) + std::abs(p.y) + std::abs(p.z));
-      bounds.push_back(bodies_[b].lowerBound(p, reach));
+      const glm::dmat4& pose = cells_[begin].poses[b];
+      const glm::dvec3 p = movedBack(pose, centre);
+      const double reach =
+          radius + kRounding * scaleOf(pose) * (std::abs(p.x) + std::abs(p.y) + std::abs(p.z));
+      bounds.push_back(bodies_[b].lowerBound(pose, centre, reach));
       if (isFirst) most = std::min(most, bounds.back() + 2.0 * reach);
     }
     std::vector<uint32_t> chosen;
@@ -425,12 +444,15 @@ class SceneQuery {
     if (wanted.empty()) return;
     const auto poseAt = [&](size_t k) -> const glm::dmat4& { return poses(configuration(k))[b]; };
     inBody_.resizeUninitialized(wanted.size());
+    double least = INFINITY;  // Scale. Rounding must not make a point far that is not.
+    for (const uint32_t k : wanted) least = std::min(least, scaleOf(poseAt(k)));
+    const double most = least == 1.0 ? options_.maxDistance : options_.maxDistance / least * (1.0 + 1e-12);
     parallelFor(wanted.size(), kPointsPerTask, [&](size_t begin, size_t end) {
       for (size_t i = begin; i < end; ++i) inBody_[i] = movedBack(poseAt(wanted[i]), world_[wanted[i]]);
     });
     std::visit(
         [&](const auto& shape) {
-          ask(shape, inBody_, options_, answers_);
+          ask(shape, inBody_, most, options_, answers_);
           parallelFor(wanted.size(), kPointsPerTask, [&](size_t begin, size_t end) {
             for (size_t i = begin; i < end; ++i) {
               const size_t k = wanted[i];
@@ -496,6 +518,8 @@ struct Scene::Impl {
     return size_t(at - bodies.begin());
   }
   void add(std::string name, Shape shape, const glm::dmat4& pose);
+  /// Returns the surface of a body.
+  const Surface& surfaceOf(uint32_t body) const;
   /// Throws unless there are this many poses of each body, all of them rigid.
   void check(const Configurations& configurations) const;
 
@@ -513,10 +537,19 @@ void Scene::Impl::add(std::string name, Shape shape, const glm::dmat4& pose) {
   require(std::ranges::find(bodies, name, &Body::name) == bodies.end(),
           "the scene has a body '" + name + "'; remove that first, or use another name");
   require(bodies.size() < kNoBody, "a scene has fewer than 4294967295 bodies");
-  checkRigid(pose, [&] { return poseName(name); });
+  checkPose(pose, [&] { return poseName(name); });
   poses.reserve(bodies.size() + 1);
   bodies.push_back({std::move(name), std::move(shape)});
   poses.push_back(pose);
+}
+
+const Surface& Scene::Impl::surfaceOf(uint32_t body) const {
+  require(body < bodies.size(),
+          "there is no body " + std::to_string(body) + "; the scene has " + std::to_string(bodies.size()));
+  const auto* shape = std::get_if<SurfaceShape>(&bodies[body].shape);
+  require(shape != nullptr,
+          "body '" + bodies[body].name + "' is a field; distances between bodies are those of surfaces");
+  return *shape->surface;
 }
 
 void Scene::Impl::check(const Configurations& configurations) const {
@@ -525,7 +558,7 @@ void Scene::Impl::check(const Configurations& configurations) const {
           "there are " + std::to_string(given) + " poses for " + std::to_string(count) +
               " configurations of " + std::to_string(bodies.size()) + " bodies");
   for (size_t i = 0; i < given; ++i)
-    checkRigid(configurations.poses[i], [&] {
+    checkPose(configurations.poses[i], [&] {
       return poseName(bodies[i % bodies.size()].name) + " in configuration " +
              std::to_string(i / bodies.size());
     });
@@ -556,7 +589,7 @@ void Scene::remove(std::string_view name) {
 
 void Scene::setPose(std::string_view name, const glm::dmat4& pose) {
   const size_t body = notMoved(impl_).find(name);
-  checkRigid(pose, [&] { return poseName(notMoved(impl_).bodies[body].name); });
+  checkPose(pose, [&] { return poseName(notMoved(impl_).bodies[body].name); });
   notMoved(impl_).poses[body] = pose;
 }
 
@@ -564,8 +597,21 @@ void Scene::setPoses(std::span<const glm::dmat4> poses) {
   require(poses.size() == size(),
           std::to_string(poses.size()) + " poses are given for " + std::to_string(size()) + " bodies");
   for (size_t b = 0; b < poses.size(); ++b)
-    checkRigid(poses[b], [&] { return poseName(notMoved(impl_).bodies[b].name); });
+    checkPose(poses[b], [&] { return poseName(notMoved(impl_).bodies[b].name); });
   notMoved(impl_).poses.assign(poses.begin(), poses.end());
+}
+
+Box Scene::bounds() const {
+  Box all;
+  for (size_t b = 0; b < size(); ++b) {
+    const Box box = std::visit([](const auto& of) { return of.bounds; }, impl_->bodies[b].shape);
+    for (int corner = 0; corner < 8 && !box.isEmpty(); ++corner) {
+      const glm::bvec3 isHigh(corner & 1, corner & 2, corner & 4);
+      const glm::dvec3 p = moved(impl_->poses[b], glm::mix(box.min, box.max, isHigh));
+      all = {glm::min(all.min, p), glm::max(all.max, p)};
+    }
+  }
+  return all;
 }
 
 size_t Scene::size() const {
@@ -610,6 +656,105 @@ SceneResult Scene::query(const PointsView& points, const Configurations& configu
     progress.stage("query", [&] { query.answer(progress); });
   });
   return result;
+}
+
+Field Scene::generate(const Grid& grid, double band, const MachineOptions& machine) const {
+  validateGrid(grid);
+  require(band >= 0.0 && std::isfinite(band), "the band must be finite and not negative");
+  const size_t count = grid.sampleCount();
+  constexpr size_t kBytesOfPoint = 80;  // Of those that are asked together.
+  checkFieldMemory(count * sizeof(float) + std::min(count, kPointsAtOnce) * kBytesOfPoint,
+                   mostMemory(machine.memoryLimit));
+  Field field{.grid = grid, .clampDistance = band * grid.spacing};
+  field.distance.resizeUninitialized(count);
+  const SceneOptions options{.maxDistance = band > 0.0 ? field.clampDistance : INFINITY};
+  std::vector<glm::dvec3> points;
+  Progress progress(machine.progress);
+  progress.stage("scene", [&] {
+    for (size_t begin = 0; begin < count; begin += points.size()) {
+      points.resize(std::min(kPointsAtOnce, count - begin));
+      const size_t nx = size_t(grid.dims.x), ny = size_t(grid.dims.y);
+      for (size_t i = 0; i < points.size(); ++i) {
+        const size_t s = begin + i, row = s / nx, plane = row / ny;
+        points[i] = grid.position(glm::dvec3(double(s % nx), double(row % ny), double(plane)));
+      }
+      const SceneResult found = query(points, options, {.threads = machine.threads});
+      for (size_t i = 0; i < points.size(); ++i) field.distance[begin + i] = float(found.distance[i]);
+      progress.report(double(begin + points.size()) / double(count));
+    }
+  });
+  return field;
+}
+
+Field Scene::generateBand(const Grid& grid, const BandOptions& options, const MachineOptions& machine) const {
+  checkBand(grid, options, true);
+  require(!options.triangle && !options.winding && !options.confidence,
+          "the field of a scene has distances alone");
+  const Impl& scene = notMoved(impl_);
+  std::vector<uint32_t> unsteady;
+  double slack = 0.0;
+  for (uint32_t b = 0; b < scene.bodies.size(); ++b)
+    if (const auto* shape = std::get_if<SurfaceShape>(&scene.bodies[b].shape);
+        !shape || shape->insideReach > 0.0)
+      unsteady.push_back(b);
+  for (size_t b = 0; b < scene.bodies.size(); ++b)
+    std::visit([&](const auto& of) { slack = std::max(slack, scaleOf(scene.poses[b]) * of.slack); },
+               scene.bodies[b].shape);
+  const auto ask = [&](std::span<const glm::dvec3> points, double most, std::span<const uint32_t> without) {
+    return query(points, {.maxDistance = most, .without = without}, {.threads = machine.threads}).distance;
+  };
+  const SceneBounds bounds{
+      .distances = [&](auto points, double most) { return ask(points, most, {}); },
+      .steadyDistances = [&](auto points, double most) { return ask(points, most, unsteady); },
+      .lowerBound =
+          [&](const glm::dvec3& p, double radius) {
+            double least = INFINITY;
+            for (const uint32_t b : unsteady)
+              least = std::min(least, scene.bodies[b].lowerBound(scene.poses[b], p, kStretch * radius));
+            return least;
+          },
+      .slack = slack};
+  Progress progress(machine.progress);
+  return makeSceneBand(grid, options, bounds, mostMemory(machine.memoryLimit), progress);
+}
+
+std::vector<SurfacePair> Scene::distancesBetween(std::span<const glm::uvec2> pairs, double maxDistance,
+                                                 const MachineOptions& machine) const {
+  return distancesBetween(pairs, {.poses = notMoved(impl_).poses, .count = 1}, maxDistance, machine);
+}
+
+std::vector<SurfacePair> Scene::distancesBetween(std::span<const glm::uvec2> pairs,
+                                                 const Configurations& configurations, double maxDistance,
+                                                 const MachineOptions& machine) const {
+  const Impl& scene = notMoved(impl_);
+  scene.check(configurations);
+  require(maxDistance > 0.0, "the largest distance must be above 0, not " + numberText(maxDistance));
+  for (const glm::uvec2& pair : pairs) scene.surfaceOf(pair.x), scene.surfaceOf(pair.y);
+  std::vector<SurfacePair> found(pairs.size() * configurations.count);
+  Progress progress(machine.progress);
+  WorkMeter meter(progress, 0.0, 1.0, double(found.size()));
+  const auto measure = [&](size_t i) {
+    const glm::uvec2& pair = pairs[i % pairs.size()];
+    const glm::dmat4* poses = &configurations.poses[i / pairs.size() * scene.bodies.size()];
+    const glm::dmat4 seen = seenFrom(poses[pair.x], poses[pair.y]);
+    Progress silent;
+    const double scale = scaleOf(poses[pair.x]);
+    found[i] =
+        scene.surfaceOf(pair.x).closestPair(scene.surfaceOf(pair.y), {seen, maxDistance / scale}, silent);
+    const bool isFar = found[i].triangle == kNoTriangle;
+    found[i].distance = found[i].bound = isFar ? maxDistance : scale * found[i].distance;
+    found[i].point = moved(poses[pair.x], found[i].point);
+    found[i].otherPoint = moved(poses[pair.x], found[i].otherPoint);
+    meter.add(1);
+  };
+  withThreads(machine.threads, [&] {
+    progress.stage("distance", [&] {
+      parallelFor(found.size(), 1, [&](size_t begin, size_t end) {
+        for (; begin < end; ++begin) measure(begin);
+      });
+    });
+  });
+  return found;
 }
 
 }  // namespace raymap

@@ -6,6 +6,7 @@
 #include <numbers>
 #include <string>
 
+#include "api/check_band.h"
 #include "api/field_warnings.h"
 #include "base/memory.h"
 #include "base/parallel.h"
@@ -15,9 +16,12 @@
 #include "cpu/points/narrow_band.h"
 #include "cpu/points/point_query.h"
 #include "cpu/points/region.h"
+#include "cpu/points/surface_pairs.h"
 #include "field/field_sampler.h"
 #include "mesh/model.h"
 #include "mesh/triangle.h"
+#include "method/points_view.h"
+#include "method/pose.h"
 
 namespace raymap {
 
@@ -50,13 +54,17 @@ void checkLattice(const Grid& grid) {
   validateGrid(grid);
 }
 
-void check(const Grid& grid, const BandOptions& options, bool isSigned) {
+}  // namespace
+
+void checkBand(const Grid& grid, const BandOptions& options, bool isSigned) {
   checkLattice(grid);
   require(options.outside > 0.0 && std::isfinite(options.outside),
           "the band outside must be positive and finite");
   require(options.inside > 0.0, "the band inside must be positive");
   checkSigned(options, isSigned);
 }
+
+namespace {
 
 void check(const Grid& lattice, const Region& region, const RegionOptions& options, bool isSigned) {
   checkLattice(lattice);
@@ -159,7 +167,7 @@ std::vector<Thickness> Surface::thickness(std::span<const FacePoint> points, con
 
 Field Surface::generateBand(const Grid& grid, const BandOptions& options,
                             const MachineOptions& machine) const {
-  check(grid, options, notMoved(impl_).prepared.isSigned);
+  checkBand(grid, options, notMoved(impl_).prepared.isSigned);
   Progress progress(machine.progress);
   Field band;
   withThreads(machine.threads, [&] {
@@ -221,6 +229,49 @@ Generated Surface::generate(const Grid& grid, const FieldOptions& asked,
   result.stats.leftOutFaces = stats().leftOutFaces;
   result.stats.invertedParts = stats().invertedParts;
   return result;
+}
+
+SurfacePair Surface::distanceTo(const Surface& other, const PairOptions& options,
+                                const MachineOptions& machine) const {
+  require(options.maxDistance > 0.0, "the largest distance must be positive");
+  checkPose(options.pose, [] { return "the pose of the other surface"; });
+  Progress progress(machine.progress);
+  SurfacePair found;
+  progress.stage("distance", [&] { found = closestPair(other, options, progress); });
+  return found;
+}
+
+SurfacePair Surface::closestPair(const Surface& other, const PairOptions& options, Progress& progress) const {
+  return cpu::closestPair(notMoved(impl_).prepared, notMoved(other.impl_).prepared, options.pose,
+                          options.maxDistance, progress);
+}
+
+SurfacePair Surface::hausdorff(const Surface& other, const HausdorffOptions& options,
+                               const MachineOptions& machine) const {
+  require(options.tolerance >= 0.0, "the tolerance must not be negative");
+  checkPose(options.pose, [] { return "the pose of the other surface"; });
+  Progress progress(machine.progress);
+  SurfacePair found;
+  withThreads(machine.threads, [&] {
+    progress.stage("distance", [&] {
+      found = cpu::farthestPoint(notMoved(impl_).prepared, notMoved(other.impl_).prepared, options, progress);
+    });
+  });
+  return found;
+}
+
+DeepestPoint Surface::deepest(const PointsView& points, const MachineOptions& machine) const {
+  require(isSigned(), "the surface was made without a sign, so nothing is inside");
+  DeepestPoint deepest;
+  const QueryResult all = query(points, {}, machine);
+  for (size_t i = 0; i < points.count; ++i)
+    if (-all.distance[i] > deepest.depth) deepest = {.depth = -all.distance[i], .point = i};
+  if (!(deepest.depth > 0.0)) return deepest;
+  const glm::dvec3 p = pointAt(points, deepest.point);
+  const QueryResult one = query(PointsView(&p.x, 1), {.closest = true, .triangle = true}, machine);
+  deepest.closest = one.closest[0];
+  deepest.triangle = one.triangle[0];
+  return deepest;
 }
 
 bool Surface::isSigned() const {

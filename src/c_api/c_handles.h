@@ -157,6 +157,24 @@ inline raymap_grid toC(const Grid& grid) {
 }
 
 /// Returns a handle that owns the mesh.
+/// Returns a pose from its rows; that of the same coordinates for null.
+inline glm::dmat4 poseOf(const double* rows) {
+  glm::dmat4 pose(1.0);
+  for (int row = 0; rows && row < 4; ++row)
+    for (int column = 0; column < 4; ++column) pose[column][row] = rows[4 * row + column];
+  return pose;
+}
+
+inline raymap_surface_pair toC(const SurfacePair& pair) {
+  raymap_surface_pair result{.distance = pair.distance,
+                             .bound = pair.bound,
+                             .triangle = pair.triangle,
+                             .other_triangle = pair.otherTriangle};
+  copyVector(pair.point, result.point);
+  copyVector(pair.otherPoint, result.other_point);
+  return result;
+}
+
 inline std::unique_ptr<raymap_mesh> ownMesh(Mesh mesh) {
   auto handle = std::make_unique<raymap_mesh>();
   handle->owned = std::move(mesh);

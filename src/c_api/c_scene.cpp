@@ -17,20 +17,11 @@ using raymap::c::need;
 
 namespace {
 
-/// Returns a pose from its rows.
-glm::dmat4 poseOf(const double* rows) {
-  glm::dmat4 pose;
-  for (int row = 0; row < 4; ++row)
-    for (int column = 0; column < 4; ++column) pose[column][row] = rows[4 * row + column];
-  return pose;
-}
-
 /// Adds a body that the caller owns.
 template <class Shape>
 void add(raymap_scene* scene, const char* name, const Shape& shape, const double* pose) {
   const std::shared_ptr<const Shape> referred(std::shared_ptr<const Shape>(), &shape);
-  need(scene, "the scene")
-      .scene.add(&need(name, "the name"), referred, pose ? poseOf(pose) : glm::dmat4(1.0));
+  need(scene, "the scene").scene.add(&need(name, "the name"), referred, c::poseOf(pose));
 }
 
 /// Poses in many configurations, and what the library takes of them.
@@ -43,7 +34,7 @@ GivenConfigurations configurationsOf(const raymap_configurations& given, size_t 
   GivenConfigurations made;
   made.poses.resize(given.count * bodies);
   if (!made.poses.empty()) need(given.poses, "the array of poses");
-  for (size_t i = 0; i < made.poses.size(); ++i) made.poses[i] = poseOf(given.poses + 16 * i);
+  for (size_t i = 0; i < made.poses.size(); ++i) made.poses[i] = c::poseOf(given.poses + 16 * i);
   made.view = {made.poses, given.count, given.has_own_points};
   return made;
 }
@@ -74,7 +65,7 @@ raymap_result raymap_scene_remove(raymap_scene* scene, const char* name) {
 
 raymap_result raymap_scene_set_pose(raymap_scene* scene, const char* name, const double pose[16]) {
   return guard([&] {
-    need(scene, "the scene").scene.setPose(&need(name, "the name"), poseOf(&need(pose, "the pose")));
+    need(scene, "the scene").scene.setPose(&need(name, "the name"), c::poseOf(&need(pose, "the pose")));
   });
 }
 
@@ -119,5 +110,44 @@ raymap_result raymap_scene_query(const raymap_scene* scene, const double* points
     copyTo(wanted.gradient, found.gradient);
     copyTo(wanted.distances, found.distances);
     copyTo(wanted.triangle, found.triangle);
+  });
+}
+
+raymap_field* raymap_scene_generate(const raymap_scene* scene, const raymap_grid* grid,
+                                    const raymap_options* options) {
+  return create([&] {
+    const AllOptions& how = c::optionsOr(options);
+    return c::ownField(need(scene, "the scene")
+                           .scene.generate(c::fromC(need(grid, "the grid")), how.field.band, how.machine));
+  });
+}
+
+raymap_field* raymap_scene_generate_band(const raymap_scene* scene, const raymap_grid* grid,
+                                         const raymap_options* options) {
+  return create([&] {
+    const AllOptions& how = c::optionsOr(options);
+    return c::ownField(
+        need(scene, "the scene").scene.generateBand(c::fromC(need(grid, "the grid")), how.band, how.machine));
+  });
+}
+
+raymap_result raymap_scene_distances(const raymap_scene* scene, const uint32_t* pairs, size_t count,
+                                     const raymap_configurations* configurations,
+                                     const raymap_options* options, raymap_surface_pair* found) {
+  return guard([&] {
+    const Scene& measured = need(scene, "the scene").scene;
+    if (count > 0) need(pairs, "the array of pairs");
+    std::vector<glm::uvec2> asked(count);
+    for (size_t i = 0; i < count; ++i) asked[i] = {pairs[2 * i], pairs[2 * i + 1]};
+    const AllOptions& how = c::optionsOr(options);
+    std::vector<SurfacePair> all;
+    if (configurations) {
+      const auto given = configurationsOf(c::read(configurations), measured.size());
+      all = measured.distancesBetween(asked, given.view, how.scene.maxDistance, how.machine);
+    } else {
+      all = measured.distancesBetween(asked, how.scene.maxDistance, how.machine);
+    }
+    if (!all.empty()) need(found, "the array of distances");
+    for (size_t i = 0; i < all.size(); ++i) found[i] = c::toC(all[i]);
   });
 }

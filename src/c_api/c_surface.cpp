@@ -118,6 +118,29 @@ raymap_result raymap_sample_points(const raymap_surface* surface, size_t count, 
   });
 }
 
+raymap_result raymap_surface_distance(const raymap_surface* surface, const raymap_surface* other,
+                                      const double pose[16], const raymap_options* options,
+                                      raymap_surface_pair* found) {
+  return guard([&] {
+    const AllOptions& how = c::optionsOr(options);
+    need(found, "the result") =
+        c::toC(need(surface, "the surface")
+                   .surface.distanceTo(need(other, "the other surface").surface,
+                                       {c::poseOf(pose), how.query.maxDistance}, how.machine));
+  });
+}
+
+raymap_result raymap_surface_hausdorff(const raymap_surface* surface, const raymap_surface* other,
+                                       const double pose[16], double tolerance, bool both_ways,
+                                       const raymap_options* options, raymap_surface_pair* found) {
+  return guard([&] {
+    need(found, "the result") = c::toC(need(surface, "the surface")
+                                           .surface.hausdorff(need(other, "the other surface").surface,
+                                                              {c::poseOf(pose), tolerance, both_ways},
+                                                              c::optionsOr(options).machine));
+  });
+}
+
 raymap_field* raymap_surface_generate_region(const raymap_surface* surface, const raymap_grid* lattice,
                                              const int32_t low[3], const int32_t extent[3],
                                              const raymap_options* options) {

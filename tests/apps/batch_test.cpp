@@ -70,6 +70,11 @@ TEST_F(CliBatch, SimplifiesAndConvertsEachFile) {
   }
 }
 
+TEST_F(CliBatch, MakesTheFolder) {
+  succeed("convert ball.obj torn.stl -o new/deep/ --format ply");
+  EXPECT_EQ(readMesh(path("new/deep/torn.ply")).triangles.size(), 1279u);
+}
+
 TEST_F(CliBatch, RefusesWhatCannotBecomeFilesOfAFolder) {
   const auto usage = ErrorCode::Usage;
   writeMesh(path("out/ball.ply"), shapes::sphere(1.0, 2));
@@ -78,7 +83,8 @@ TEST_F(CliBatch, RefusesWhatCannotBecomeFilesOfAFolder) {
                 "ball.obj and out/ball.ply would have the same");
   expectFailure("repair ball.obj torn.stl -o ball.ply", usage, "is one file for 2 meshes; name a folder");
   expectFailure("repair ball.obj torn.stl -o .", usage, "is the input ball.obj; to replace it: --overwrite");
-  expectFailure("repair ball.obj torn.stl -o none/", ErrorCode::File, "there is no folder none");
+  expectFailure("repair ball.obj torn.stl -o none/ --stats x.txt", usage, "must end in .json");
+  EXPECT_FALSE(std::filesystem::exists(path("none")));
   expectFailure("repair ball.obj torn.stl -o out/ --format off", usage, "--format off: must be one of .ply");
   expectFailure("repair - torn.stl -o out/", usage, "standard input has no name");
   EXPECT_EQ(written(), 1u);

@@ -24,6 +24,25 @@ TEST_F(CliConvert, ConvertsMeshes) {
   expectFailure("convert torus.ply a.ply -o b.ply", ErrorCode::Usage, "b.ply is none; give one input");
 }
 
+TEST_F(CliConvert, SplitsIntoParts) {
+  const Mesh hollow = shapes::joined(shapes::sphere(2.0, 2), shapes::inverted(shapes::sphere(1.5, 2)));
+  const Mesh all =
+      shapes::joined(shapes::joined(hollow, shapes::sphere(0.5, 1)), shapes::box({5, 0, 0}, {6, 1, 1}));
+  writeMesh(path("plate.ply"), all);
+  const std::string out = succeed("convert plate.ply -o part.ply --split").out;
+  EXPECT_FALSE(fs::exists(path("part.ply")));
+  const Mesh first = readMesh(path("part_1.ply")), third = readMesh(path("part_3.ply"));
+  EXPECT_EQ(first.triangles.size(), hollow.triangles.size());  // With its cavity, without the ball in that.
+  EXPECT_NEAR(diagnose(first).signedVolume, diagnose(hollow).signedVolume, 1e-5);
+  EXPECT_NEAR(diagnose(readMesh(path("part_2.ply"))).signedVolume,
+              diagnose(shapes::sphere(0.5, 1)).signedVolume, 1e-5);
+  EXPECT_EQ(bounds(third).max.x, 6.0);
+  EXPECT_EQ(third.vertices.size(), 8u);
+  EXPECT_FALSE(fs::exists(path("part_4.ply")));
+  expectFailure("convert plate.ply -o - --format ply --split", ErrorCode::Usage,
+                "--split writes a file for each part");
+}
+
 TEST_F(CliConvert, ConvertsUnitsScaleAndAxis) {
   // y is up: 2 wide, 3 high, 5 deep.
   writeMesh(path("box.ply"), shapes::box(glm::dvec3(0.0), glm::dvec3(2, 3, 5)));

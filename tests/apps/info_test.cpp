@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdio>
+#include <fstream>
 
 #include "cli.h"
 #include "fill.h"
@@ -157,6 +158,25 @@ TEST_F(CliInfo, DrawsFields) {
   succeed("render w.npz -o slice.png --slice z --size 64 48");
   EXPECT_EQ(readBytes(path("w.png")), readBytes(path("slice.png")));
   EXPECT_TRUE(Json::parse(succeed("info w.npz --json").out)["inside"].is_null());
+}
+
+TEST_F(CliInfo, ListsSeveralFiles) {
+  writeTorus();
+  writeMesh(path("two.ply"), shapes::joined(shapes::sphere(1.0, 1), shapes::box({2, 2, 2}, {3, 3, 3})));
+  succeed("generate torus.ply -o t.npz --resolution 24");
+  std::ofstream(path("broken.ply")) << "ply\nformat ascii 1.0\n";
+  const Result found = run("info torus.ply two.ply broken.ply t.npz");
+  EXPECT_NE(found.code, 0);
+  EXPECT_NE(found.err.find("broken.ply"), std::string::npos);
+  EXPECT_EQ(std::ranges::count(found.out, '\n'), 5) << found.out;
+  EXPECT_NE(found.out.find("\ntwo.ply     yes "), std::string::npos) << found.out;
+  EXPECT_NE(found.out.find("\nbroken.ply  - "), std::string::npos) << found.out;
+  const Json all = Json::parse(succeed("info torus.ply two.ply t.npz --json --fast").out);
+  ASSERT_EQ(all.size(), 3u);
+  EXPECT_EQ(all[1]["components"], 2);
+  EXPECT_EQ(all[1]["file"], "two.ply");
+  EXPECT_TRUE(all[2].contains("grid"));
+  expectFailure("info torus.ply two.ply --picture x.png", ErrorCode::Usage, "--picture shows one file");
 }
 
 }  // namespace

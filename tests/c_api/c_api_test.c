@@ -356,6 +356,34 @@ static void test_scene(void) {
   CHECK(raymap_scene_set_pose(scene, "field", beside) == RAYMAP_OK);
   memcpy(poses[1][1], beside, sizeof beside);
   for (int k = 0; k < 16; ++k) poses[0][1][k] = poses[1][0][k] = k % 5 == 0;
+  const uint32_t pairs[2] = {0, 2};
+  CHECK(raymap_scene_add_surface(scene, "other", surface, beside) == RAYMAP_OK);
+  raymap_surface_pair apart, same;
+  CHECK(raymap_scene_distances(scene, pairs, 1, NULL, options, &apart) == RAYMAP_OK);
+  CHECK(raymap_surface_distance(surface, surface, beside, options, &same) == RAYMAP_OK);
+  CHECK(memcmp(&apart, &same, sizeof same) == 0 && apart.bound == apart.distance);
+  CHECK(fabs(apart.other_point[0] - apart.point[0] - apart.distance) < 1e-9 && apart.triangle < 4);
+  CHECK(raymap_surface_hausdorff(surface, surface, beside, 0.0, true, options, &same) == RAYMAP_OK);
+  CHECK(same.distance > apart.distance && same.bound >= same.distance && same.bound < 20.1);
+  CHECK(raymap_surface_hausdorff(surface, surface, NULL, 0.0, false, NULL, &same) == RAYMAP_OK);
+  CHECK(same.distance < 1e-9);
+  CHECK_FAILS(raymap_surface_hausdorff(surface, NULL, NULL, 0.0, true, NULL, &same), RAYMAP_ERROR_USAGE,
+              "the other surface is NULL");
+  CHECK_FAILS(raymap_scene_distances(scene, NULL, 1, NULL, options, &apart), RAYMAP_ERROR_USAGE,
+              "the array of pairs is NULL");
+  CHECK(raymap_scene_remove(scene, "other") == RAYMAP_OK);
+  raymap_field* ofScene = raymap_scene_generate(scene, &grid, options);
+  raymap_field* bandOfScene = raymap_scene_generate_band(scene, &grid, options);
+  CHECK(ofScene != NULL && bandOfScene != NULL && raymap_field_is_narrow(bandOfScene));
+  const double at[3] = {grid.origin[0], grid.origin[1], grid.origin[2]};
+  double there;
+  raymap_scene_arrays one = RAYMAP_INIT(raymap_scene_arrays);
+  one.distance = &there;
+  CHECK(raymap_scene_query(scene, at, 1, NULL, options, &one) == RAYMAP_OK);
+  CHECK(raymap_field_distance(ofScene)[0] == (float)there);
+  CHECK(raymap_scene_generate(scene, NULL, options) == NULL);
+  raymap_field_free(ofScene);
+  raymap_field_free(bandOfScene);
   raymap_configurations both = RAYMAP_INIT(raymap_configurations);
   both.poses = &poses[0][0][0];
   both.count = 2;
@@ -371,7 +399,7 @@ static void test_scene(void) {
   CHECK(body[0] == 1 && body[1] == 1 && found[1] == distance[1]);
   poses[1][1][15] = 2.0;
   CHECK_FAILS(raymap_scene_query(scene, &points[0][0], 2, &both, NULL, &arrays), RAYMAP_ERROR_USAGE,
-              "the pose of body 'field' in configuration 1 is no rigid motion");
+              "the pose of body 'field' in configuration 1 is no scaled rigid motion");
   CHECK_FAILS(raymap_scene_set_pose(scene, "field", poses[1][1]), RAYMAP_ERROR_USAGE, "the last row");
   both.poses = NULL;
   CHECK_FAILS(raymap_scene_query(scene, &points[0][0], 2, &both, NULL, &arrays), RAYMAP_ERROR_USAGE,

@@ -14,10 +14,11 @@
 #include <vector>
 
 #include "any_threads.h"
-#include "api/rigid_pose.h"
 #include "broken_meshes.h"
 #include "contains.h"
 #include "error_code.h"
+#include "method/pose.h"
+#include "random_pose.h"
 #include "shapes.h"
 
 namespace raymap {
@@ -28,17 +29,6 @@ const SceneOptions kEachBody{.body = true, .closest = true, .gradient = true, .d
 
 std::shared_ptr<const Surface> prepared(const Mesh& mesh, const SurfaceOptions& options = {}) {
   return std::make_shared<const Surface>(mesh, options);
-}
-
-/// Returns a random rotation about a random axis, and a translation of up to `reach` along each.
-glm::dmat4 randomPose(std::mt19937& random, double reach) {
-  std::uniform_real_distribution<double> unit(-1.0, 1.0);
-  const auto vector = [&] {
-    const double x = unit(random), y = unit(random), z = unit(random);
-    return glm::dvec3(x, y, z);
-  };
-  const glm::dmat4 translation = glm::translate(glm::dmat4(1.0), reach * vector());
-  return glm::rotate(translation, 3.0 * unit(random), glm::normalize(vector()));
 }
 
 std::vector<glm::dmat4> randomPoses(size_t count, unsigned seed) {
@@ -517,21 +507,23 @@ TEST(Scene, SaysWhatIsWrongWithAPose) {
   };
   const auto check = [&](const glm::dmat4& pose, const std::string& wrong) {
     const std::string alone = usageMessage([&] { scene.setPose("hand", pose); });
-    EXPECT_TRUE(contains(alone, "the pose of body 'hand' is no rigid motion: it " + wrong));
+    EXPECT_TRUE(contains(alone, "the pose of body 'hand' is no scaled rigid motion: it " + wrong));
     EXPECT_EQ(usageMessage([&] { scene.setPoses(std::vector{none, pose}); }), alone);
     EXPECT_TRUE(contains(usageMessage([&] { scene.add("arm", ball, pose); }), wrong));
     const std::vector<glm::dmat4> poses{none, none, none, pose};
-    EXPECT_TRUE(contains(usageMessage([&] {
-                           scene.query(PointsView(), Configurations{poses, 2});
-                         }),
-                         "the pose of body 'hand' in configuration 1 is no rigid motion: it " + wrong));
+    EXPECT_TRUE(
+        contains(usageMessage([&] {
+                   scene.query(PointsView(), Configurations{poses, 2});
+                 }),
+                 "the pose of body 'hand' in configuration 1 is no scaled rigid motion: it " + wrong));
   };
   check(poseWith(3, 1, double(NAN)), "has a number that is not finite in row 1, column 3");
   check(poseWith(0, 2, double(INFINITY)), "has a number that is not finite in row 2, column 0");
   check(poseWith(1, 3, 2.5), "has the last row 0 2.5 0 1 instead of 0 0 0 1");
-  check(glm::scale(none, glm::dvec3(1.0, 2.0, 1.0)), "scales: its y axis has the length 2 instead of 1");
-  check(glm::scale(none, glm::dvec3(0.0)), "scales: its x axis has the length 0");
-  check(poseWith(0, 0, 1.00001), "scales");
+  check(glm::scale(none, glm::dvec3(1.0, 2.0, 1.0)),
+        "scales unevenly: its x axis has the length 1, and its y axis 2");
+  check(glm::scale(none, glm::dvec3(0.0)), "has a scale of 0");
+  check(poseWith(0, 0, 1.00002), "scales unevenly");
   glm::dmat4 sheared(1.0);
   sheared[2] = {0.0, std::sin(0.1), std::cos(0.1), 0.0};
   check(sheared, "shears: its y and z axes are not perpendicular");
@@ -659,6 +651,102 @@ TEST(Scene, CanBeCancelled) {
                           {.progress = [](std::string_view, double) { return false; }});
             }),
             ErrorCode::Cancelled);
+}
+
+/// Returns the mesh of a body, moved into the world.
+Mesh movedMesh(Mesh mesh, const glm::dmat4& pose) {
+  for (glm::vec3& v : mesh.vertices) v = glm::vec3(pose * glm::dvec4(mesh.origin + glm::dvec3(v), 1.0));
+  mesh.origin = glm::dvec3(0.0);
+  return mesh;
+}
+
+TEST(Scene, ScalesBodies) {
+  const std::vector<Mesh> meshes{shapes::box({-0.5, -0.3, -1}, {0.5, 0.3, 1}),
+                                 shapes::torus(1.0, 0.3, 24, 12)};
+  std::mt19937 random(7);
+  const std::vector<glm::dvec3> points = worldPoints(500, 5.0, 8);
+  for (const double scale : {0.01, 0.4, 3.0}) {
+    Scene scaled, plain;
+    for (int b = 0; b < 12; ++b) {  // So many that each cell chooses.
+      const Mesh& mesh = meshes[size_t(b) % 2];
+      const glm::dmat4 pose = glm::scale(randomPose(random, 4.0), glm::dvec3(b == 3 ? 1.0 : scale));
+      scaled.add(std::to_string(b), prepared(mesh), pose);
+      plain.add(std::to_string(b), prepared(movedMesh(mesh, pose)));
+    }
+    for (const double most : {double(INFINITY), 0.7}) {
+      SceneOptions options = kEachBody;
+      options.maxDistance = most;
+      const SceneResult found = scaled.query(points, options), truth = plain.query(points, options);
+      for (size_t i = 0; i < points.size(); ++i) {
+        ASSERT_NEAR(found.distance[i], truth.distance[i], 2e-6) << i;
+        if (!std::isfinite(truth.closest[i].x)) {
+          ASSERT_EQ(found.distance[i], truth.distance[i]);
+          ASSERT_FALSE(std::isfinite(found.closest[i].x));
+          continue;
+        }
+        ASSERT_NEAR(glm::distance(points[i], found.closest[i]), std::abs(found.distance[i]), 2e-6);
+        ASSERT_NEAR(glm::length(found.gradient[i]), 1.0, 1e-12);
+        for (size_t b = 0; b < 12; ++b)
+          ASSERT_NEAR(found.distances[12 * i + b], truth.distances[12 * i + b], 2e-6);
+      }
+      const SceneResult chosen = scaled.query(points, {.body = true, .maxDistance = most});
+      EXPECT_TRUE(sameBits(chosen.distance, found.distance));
+      EXPECT_TRUE(sameBits(chosen.body, found.body));
+    }
+    const std::vector<glm::uvec2> pairs{{0, 1}, {2, 3}, {3, 2}};
+    const auto gaps = scaled.distancesBetween(pairs), truth = plain.distancesBetween(pairs);
+    for (size_t i = 0; i < pairs.size(); ++i) {
+      EXPECT_NEAR(gaps[i].distance, truth[i].distance, 2e-6);
+      EXPECT_NEAR(glm::distance(gaps[i].point, gaps[i].otherPoint), gaps[i].distance, 1e-9);
+    }
+    EXPECT_EQ(scaled.distancesBetween(pairs, 1e-9)[0].distance, std::min(1e-9, gaps[0].distance));
+  }
+  const Surface box(meshes[0]);
+  const glm::dmat4 twice = glm::scale(glm::dmat4(1.0), glm::dvec3(2.0));
+  EXPECT_NEAR(box.hausdorff(box, {.pose = twice}).distance, glm::length(glm::dvec3(0.5, 0.3, 1)), 1e-6);
+}
+
+TEST(Scene, GeneratesTheFieldOfItsUnion) {
+  Scene scene = variousScene(3);
+  scene.add("field", std::make_shared<const Field>(sceneField(shapes::sphere(0.5, 2))),
+            glm::scale(glm::translate(glm::dmat4(1.0), glm::dvec3(0, 3, 0)), glm::dvec3(1.5)));
+  const Grid grid{{37, 29, 33}, {-3, -2.5, -3}, 0.17};
+  const Field field = scene.generate(grid), clamped = scene.generate(grid, 2.0, {.threads = 1});
+  const Field band = scene.generateBand(grid, {.outside = 2.0, .inside = 3.0});
+  validate(band);
+  EXPECT_EQ(clamped.clampDistance, 2.0 * grid.spacing);
+  size_t inside = 0;
+  for (int z = 0; z < grid.dims.z; ++z)
+    for (int y = 0; y < grid.dims.y; ++y)
+      for (int x = 0; x < grid.dims.x; ++x) {
+        const glm::dvec3 p = grid.position(glm::dvec3(x, y, z));
+        const double truth = scene.query(PointsView(&p.x, 1)).distance[0];
+        const float dense = field.distance[grid.index({x, y, z})];
+        ASSERT_EQ(dense, float(truth));
+        ASSERT_EQ(clamped.distance[grid.index({x, y, z})],
+                  float(std::clamp(truth, -clamped.clampDistance, clamped.clampDistance)));
+        ASSERT_EQ(band.distanceAt({x, y, z}), float(std::clamp(truth, -3.0 * 0.17, 2.0 * 0.17)));
+        inside += dense < 0.0f;
+      }
+  EXPECT_GT(inside, 100u);
+  const Grid fine{{400, 400, 400}, {-4, -4, -4}, 0.02};
+  Scene closed;
+  closed.add("box", prepared(shapes::box({-1, -1, -1}, {1, 1, 1})), randomPoses(1, 4)[0]);
+  closed.add("ball", prepared(shapes::sphere(1.0, 3)));
+  const Field fineBand = closed.generateBand(fine);
+  validate(fineBand);
+  EXPECT_FALSE(fineBand.narrow->tiles.empty());
+  const std::vector<glm::dvec3> points = worldPoints(3000, 3.9, 5);
+  for (const glm::dvec3& p : points) {
+    const glm::ivec3 sample((p - fine.origin) / fine.spacing);
+    const glm::dvec3 at = fine.position(glm::dvec3(sample));
+    const double truth = closed.query(PointsView(&at.x, 1)).distance[0];
+    ASSERT_EQ(fineBand.distanceAt(sample), float(std::clamp(truth, -0.06, 0.06)));
+  }
+  EXPECT_EQ(codeOf([&] { closed.generateBand(fine, {.winding = true}); }), ErrorCode::Usage);
+  EXPECT_EQ(codeOf([&] { closed.generate(grid, -1.0); }), ErrorCode::Usage);
+  EXPECT_TRUE(closed.bounds().max.x >= 1.0 && Scene().bounds().isEmpty());
+  EXPECT_EQ(Scene().generate(grid).distance[0], INFINITY);
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-#include "api/rigid_pose.h"
+#include "method/pose.h"
 
 #include <raymap/error.h>
 
@@ -10,11 +10,10 @@ namespace raymap {
 
 namespace {
 
-/// Most that the inner products of the axes differ from those of a rotation. Products of many
-/// single-precision matrices stay below.
-constexpr double kRigid = 1e-5;
+/// Squares of smaller or larger scales leave few digits to the numbers of a pose.
+constexpr double kLeastSquared = 1e-24;
 
-/// Returns what is wrong with the matrix and what to do; empty if it is a rigid motion.
+/// Returns what is wrong with the matrix and what to do; empty if nothing is.
 std::string wrongWith(const glm::dmat4& pose) {
   for (int row = 0; row < 4; ++row)
     for (int column = 0; column < 4; ++column)
@@ -26,12 +25,16 @@ std::string wrongWith(const glm::dmat4& pose) {
     return "has the last row " + numberText(last.x) + " " + numberText(last.y) + " " + numberText(last.z) +
            " " + numberText(last.w) + " instead of 0 0 0 1; the translation belongs into the last column";
   const glm::dmat3 axes(pose);
+  const double squared = glm::dot(axes[0], axes[0]);
+  if (!(squared > kLeastSquared && squared < 1.0 / kLeastSquared))
+    return "has a scale of " + numberText(std::sqrt(squared)) + ", which is too small or too large";
   for (int a = 0; a < 3; ++a)
-    if (!(std::abs(glm::dot(axes[a], axes[a]) - 1.0) <= kRigid))
-      return std::string("scales: its ") + "xyz"[a] + " axis has the length " +
-             numberText(glm::length(axes[a])) + " instead of 1; scale the mesh before its surface is made";
+    if (!(std::abs(glm::dot(axes[a], axes[a]) - squared) <= 2.0 * kRigid * squared))
+      return std::string("scales unevenly: its x axis has the length ") + numberText(std::sqrt(squared)) +
+             ", and its " + "xyz"[a] + " axis " + numberText(glm::length(axes[a])) +
+             "; stretch the mesh before its surface is made";
   for (int a = 0; a < 3; ++a)
-    if (!(std::abs(glm::dot(axes[a], axes[(a + 1) % 3])) <= kRigid))
+    if (!(std::abs(glm::dot(axes[a], axes[(a + 1) % 3])) <= kRigid * squared))
       return std::string("shears: its ") + "xyz"[a] + " and " + "xyz"[(a + 1) % 3] +
              " axes are not perpendicular; deform the mesh before its surface is made";
   if (glm::determinant(axes) < 0.0)
@@ -41,9 +44,9 @@ std::string wrongWith(const glm::dmat4& pose) {
 
 }  // namespace
 
-void checkRigid(const glm::dmat4& pose, const std::function<std::string()>& nameOf) {
+void checkPose(const glm::dmat4& pose, const std::function<std::string()>& nameOf) {
   if (const std::string wrong = wrongWith(pose); !wrong.empty())
-    throw Error(ErrorCode::Usage, nameOf() + " is no rigid motion: it " + wrong);
+    throw Error(ErrorCode::Usage, nameOf() + " is no scaled rigid motion: it " + wrong);
 }
 
 }  // namespace raymap
