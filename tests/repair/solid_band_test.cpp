@@ -42,7 +42,8 @@ TEST(SolidBand, ClosesHolesAsADenseFieldDoes) {
   const ClosedBand closed = closedBand(surface, grid);
   const auto [dense, stats] = generate(mesh, grid, {.band = kWidth, .closeHoles = true}, {.device = "cpu"});
   ASSERT_GT(stats.patchTriangles, 100u);
-  EXPECT_NEAR(double(closed.patchTriangles), double(stats.patchTriangles), 0.02 * double(stats.patchTriangles));
+  EXPECT_NEAR(double(closed.patchTriangles), double(stats.patchTriangles),
+              0.02 * double(stats.patchTriangles));
   EXPECT_NEAR(closed.patchArea, stats.patchArea, 0.01 * stats.patchArea);
   validate(closed.field);
   size_t apart = 0;
@@ -87,9 +88,9 @@ TEST(SolidBand, OfAClosedMeshIsThatOfItsSurface) {
 TEST(SolidBand, UniteGivesTheLeastDistances) {
   // A sheet that sticks out of a box on both sides, and passes its middle, where there are tiles.
   const Mesh box = shapes::box(glm::dvec3(-1.0), glm::dvec3(1.0));
-  const Mesh sheet = makeMesh(std::vector<glm::dvec3>{{-1.7, -0.2, 0.13}, {1.7, -0.2, 0.13}, {1.7, 0.3, 0.13},
-                                                      {-1.7, 0.3, 0.13}},
-                              {{0, 1, 2}, {0, 2, 3}});
+  const Mesh sheet = makeMesh(
+      std::vector<glm::dvec3>{{-1.7, -0.2, 0.13}, {1.7, -0.2, 0.13}, {1.7, 0.3, 0.13}, {-1.7, 0.3, 0.13}},
+      {{0, 1, 2}, {0, 2, 3}});
   const Grid grid = fitGrid(Box{glm::dvec3(-2.0), glm::dvec3(2.0)}, {.resolution = 80});
   const Model model(box);
   cpu::PreparedSurface surface = prepare(model);
@@ -117,8 +118,8 @@ TEST(SolidBand, UniteGivesTheLeastDistances) {
 /// A rod along the diagonal of a cube.
 Mesh obliqueRod(double length, double radius) {
   constexpr int kSides = 12;
-  const glm::dvec3 axis = glm::normalize(glm::dvec3(1.0, 1.0, 1.0)), u = glm::normalize(glm::dvec3(1.0, -1.0, 0.0)),
-                   v = glm::cross(axis, u);
+  const glm::dvec3 axis = glm::normalize(glm::dvec3(1.0, 1.0, 1.0)),
+                   u = glm::normalize(glm::dvec3(1.0, -1.0, 0.0)), v = glm::cross(axis, u);
   std::vector<glm::dvec3> points;
   std::vector<glm::uvec3> faces;
   for (const double along : {0.0, length})
@@ -140,8 +141,7 @@ TEST(SolidBand, KeepsARodThatNoDenseGridHolds) {
   const RepairGrid grid = fitRepairGrid(rod);
   ASSERT_TRUE(grid.keepsThinnest());
   EXPECT_GT(grid.sampleCount(), size_t{1} << 32);
-  EXPECT_NEAR(grid.surfaceCubes, 6.21 * kLength / (grid.spacing * grid.spacing),
-              0.02 * grid.surfaceCubes);
+  EXPECT_NEAR(grid.surfaceCubes, 6.21 * kLength / (grid.spacing * grid.spacing), 0.02 * grid.surfaceCubes);
   const Repaired made = repair(rod, grid, {}, {.remesh = true});
   EXPECT_TRUE(made.report.after.watertight);
   EXPECT_EQ(made.report.crossingAfter.pairs, 0u);
