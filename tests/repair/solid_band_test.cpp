@@ -40,7 +40,9 @@ TEST(SolidBand, ClosesHolesAsADenseFieldDoes) {
   const Grid grid = fitGrid(mesh, {.resolution = 72});
   cpu::PreparedSurface surface = prepare(model);
   const ClosedBand closed = closedBand(surface, grid);
-  const auto [dense, stats] = generate(mesh, grid, {.band = kWidth, .closeHoles = true}, {.device = "cpu"});
+  const Generated made = generate(mesh, grid, {.band = kWidth, .closeHoles = true}, {.device = "cpu"});
+  const Field& dense = made.field;
+  const Stats& stats = made.stats;
   ASSERT_GT(stats.patchTriangles, 100u);
   EXPECT_NEAR(double(closed.patchTriangles), double(stats.patchTriangles),
               0.02 * double(stats.patchTriangles));
