@@ -36,7 +36,7 @@ TEST_F(CliRepair, RepairsAMesh) {
   EXPECT_TRUE(solid["after"]["watertight"]);
   EXPECT_LT(solid["result_from_mesh"]["max"], 0.5 * spacing);
   EXPECT_LT(solid["mesh_from_result"]["max"], 0.5 * spacing);
-  EXPECT_GT(solid["result_from_mesh"]["points"], 9000);
+  EXPECT_GT(solid["result_from_mesh"]["points"], 10000);
   EXPECT_EQ(solid["after"]["self_intersections"]["pairs"], 0);
   EXPECT_NE(text.find("0 pairs before, 0 pairs after"), std::string::npos) << text;
   EXPECT_EQ(solid["closed_holes"], 1);

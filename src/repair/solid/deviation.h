@@ -51,9 +51,8 @@ SurfacePoints surfacePoints(const PackedMesh& mesh, const Grid& grid, double ste
 /// Returns for each face of a mesh the area that one of its points stands for.
 std::vector<double> areasOfPoints(const PackedMesh& mesh, const SurfacePoints& points);
 
-/// Distance between points of the mesh that are measured, in samples, and between those of the result: narrow
-/// parts of the mesh may be lost, but the result has none.
-inline constexpr double kPointStep = 0.5, kResultStep = 1.0;
+/// Distance between points that are measured, in samples.
+inline constexpr double kPointStep = 0.5;
 
 /// Visits many points at a time, in samples of the grid and in the mesh's units.
 template <class Visit>

@@ -31,7 +31,7 @@ bool isDrilled(const glm::vec3& p, const Grid& grid, const std::vector<DrainHole
 Deviation measureResult(RepairRun& run) {
   const Grid& grid = run.grid;
   const RepairOptions& options = run.options;
-  SurfacePoints points = surfacePoints(run.result, grid, kResultStep);
+  SurfacePoints points = surfacePoints(run.result, grid, kPointStep);
   const std::vector<double> areas = areasOfPoints(run.result, points);
   points.eraseIf([&](size_t i) { return isDrilled(points.positions[i], grid, run.holes); });
   const std::vector<float> distances = distancesTo(run.mesh(), grid, points.positions, run.progress);
