@@ -10,8 +10,8 @@
 #include "base/text.h"
 #include "measure/thinnest.h"
 #include "mesh/model.h"
-#include "mesh/triangle.h"
 #include "repair/stages.h"
+#include "simplify/face_point_lists.h"
 
 namespace raymap {
 
@@ -70,13 +70,7 @@ bool needsAllSamples(const RepairOptions& repair, const MachineOptions& machine)
 }
 
 double surfaceCubes(const MeshView& mesh, double spacing) {
-  const Model packed(mesh);
-  double area = 0.0;
-  for (const glm::uvec3& face : packed.triangles) {
-    const auto [a, b, c] = packed.corners(face);
-    area += triangleArea(a, b, c);
-  }
-  return area / (spacing * spacing);
+  return sumFaces(Model(mesh)).area / (spacing * spacing);
 }
 
 RepairGrid chooseRepairGrid(const MeshView& mesh, const Verdict& verdict, const GridOptions& options,

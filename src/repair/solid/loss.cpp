@@ -68,8 +68,8 @@ class Trials {
   /// A point is kept if a sample at most 1.5 samples away is inside. The isosurface reaches
   /// about half a sample beyond it.
   Trial run(double voxelSize) {
-    const Grid grid = fitRepairGrid(surface_.mesh, {.voxelSize = voxelSize}, repair_);
-    if (surfaceCubes(surface_.mesh, voxelSize) > kMostAdvisedCubes) return {};
+    const RepairGrid grid = fitRepairGrid(surface_.mesh, {.voxelSize = voxelSize}, repair_);
+    if (grid.surfaceCubes > kMostAdvisedCubes) return {};
     placeSamples(grid);
     cpu::queryPoints(surface_, samples_, {}, progress_, result_);
     Trial trial{voxelSize};
