@@ -111,19 +111,31 @@ std::optional<LengthUnit> unitOf(const InfoArguments& arguments) {
   return unitOf(arguments.units, named(arguments.input, arguments.format.input));
 }
 
-/// Row of a table of several files, and what JSON has of one.
+/// Findings about a mesh.
+struct Examined {
+  Diagnostics found;
+  std::optional<SelfIntersections> crossings;
+  Verdict verdict;
+};
+
+Examined examine(const Mesh& mesh, const InfoArguments& arguments) {
+  ProgressLine line;
+  const MachineOptions machine = withProgress(arguments.machine, line);
+  Examined made{.found = diagnose(mesh, {}, machine)};
+  if (!arguments.isFast) made.crossings = findSelfIntersections(mesh, machine);
+  made.verdict =
+      made.crossings ? judge(mesh, made.found, *made.crossings, machine) : judge(made.found, made.crossings);
+  return made;
+}
+
+/// Row and JSON of one of several files.
 struct Line {
   Row row;
   Json json;
 };
 
 Line lineOf(const Mesh& mesh, const InfoArguments& arguments) {
-  ProgressLine line;
-  const MachineOptions machine = withProgress(arguments.machine, line);
-  const Diagnostics found = diagnose(mesh, {}, machine);
-  std::optional<SelfIntersections> crossings;
-  if (!arguments.isFast) crossings = findSelfIntersections(mesh, machine);
-  const Verdict verdict = crossings ? judge(mesh, found, *crossings, machine) : judge(found, crossings);
+  const auto [found, crossings, verdict] = examine(mesh, arguments);
   return {{"", found.watertight ? "yes" : "no", grouped(found.triangles), grouped(found.components),
            numberText("%.6g", found.signedVolume), describeKind(verdict, found, crossings)},
           toJson(verdict, found, crossings, unitOf(arguments))};
@@ -142,13 +154,7 @@ Line lineOf(const Field& field, const InfoArguments& arguments) {
 void inspectMesh(const Mesh& mesh, const InfoArguments& arguments) {
   if (arguments.isFast && !arguments.picture.empty())
     throw Error(ErrorCode::Usage, "--picture shows the faces that cross; leave out --fast");
-  ProgressLine line;
-  const MachineOptions machine = withProgress(arguments.machine, line);
-  const Diagnostics found = diagnose(mesh, {}, machine);
-  std::optional<SelfIntersections> crossings;
-  if (!arguments.isFast) crossings = findSelfIntersections(mesh, machine);
-  const Verdict verdict = crossings ? judge(mesh, found, *crossings, machine) : judge(found, crossings);
-  line.clear();
+  const auto [found, crossings, verdict] = examine(mesh, arguments);
   if (!arguments.picture.empty()) writePng(arguments.picture, renderDefects(mesh, arguments.view));
   const std::optional<LengthUnit> unit = unitOf(arguments);
   if (!arguments.isJson) {
