@@ -208,7 +208,9 @@ RAYMAP_API std::string describeThickness(const MeshView& mesh, const Verdict& ve
 /// nothing wrong. Else fills what a plane closes before it makes the field; deviations are then measured from
 /// the mesh with these faces.
 ///
-/// `options` say how distance and sign are found. All of `machine` is used, `device` for the fields. Throws
+/// `options` say how distance and sign are found. All of `machine` is used. The field is a narrow band, made
+/// on the CPU; it has all samples, made on `device`, for a shell, if `device` names a GPU, and for another
+/// distance or sign than the default. Throws
 /// `Error` as `generate` and `isosurface` do. Usage also for options that make no sense for a solid: no sign,
 /// `band`, `invert`, `thickness`, `closeHoles` and further arrays; and if walls, holes or the least thickness
 /// are thinner than two samples.

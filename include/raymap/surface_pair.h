@@ -20,7 +20,7 @@ struct SurfacePair {
   uint32_t otherTriangle = kNoTriangle;                             ///< Triangle that holds `otherPoint`.
 };
 
-/// Where another surface lies, and how far a search for the least distance goes.
+/// Pose of the other surface, and limit of the search for the least distance.
 struct PairOptions {
   /// Pose of the other surface: it takes that one's coordinates to those of this one, as in `Scene`.
   glm::dmat4 pose{1.0};
@@ -28,7 +28,7 @@ struct PairOptions {
   double maxDistance = std::numeric_limits<double>::infinity();
 };
 
-/// Where another surface lies, and what is asked of a Hausdorff distance.
+/// Pose of the other surface, tolerance and direction of a Hausdorff distance.
 struct HausdorffOptions {
   glm::dmat4 pose{1.0};  ///< As that of `PairOptions`.
   /// Most that `SurfacePair::bound` exceeds the distance; 0: 1e-4 of the diagonal of this surface's bounds.

@@ -10,7 +10,7 @@
 
 namespace raymap {
 
-/// What a scene knows about the cubes of a lattice.
+/// Queries of a scene, and lower bounds on distances in it.
 struct SceneBounds {
   /// Returns the distances of points up to a largest one.
   std::function<Buffer<double>(std::span<const glm::dvec3>, double most)> distances;

@@ -62,7 +62,7 @@ void RepairRun::makeSolid() {
       fieldOptions.distance != DistanceMode::Exact) {
     FieldOptions how = fieldOptions;
     how.closeHoles = options.closeHoles;
-    // Where holes stay open, the sign jumps between samples that are far from the surface.
+    // The sign jumps far from the surface where holes stay open.
     how.band = options.shell > 0.0 || !options.closeHoles ? 0.0 : neededBand(grid, options);
     makeDense(how);
   } else {

@@ -177,7 +177,8 @@ class PairSearch {
     double bound;
     uint32_t levelOfA, levelOfB, a, b;
   };
-  /// What may be closest comes first, and of these, the lower nodes, which soon show a distance.
+  /// Orders pairs by their lower bounds. Among equal ones, the lower nodes come first: they soon show a
+  /// distance.
   static bool isLater(const Open& one, const Open& two) {
     return std::tuple(one.bound, one.levelOfA + one.levelOfB, one.a, one.b) >
            std::tuple(two.bound, two.levelOfA + two.levelOfB, two.a, two.b);
