@@ -131,13 +131,13 @@ raymap_result raymap_surface_distance(const raymap_surface* surface, const rayma
 }
 
 raymap_result raymap_surface_hausdorff(const raymap_surface* surface, const raymap_surface* other,
-                                       const double pose[16], double tolerance, bool both_ways,
+                                       const double pose[16], double tolerance, bool bothWays,
                                        const raymap_options* options, raymap_surface_pair* found) {
   return guard([&] {
-    need(found, "the result") = c::toC(need(surface, "the surface")
-                                           .surface.hausdorff(need(other, "the other surface").surface,
-                                                              {c::poseOf(pose), tolerance, both_ways},
-                                                              c::optionsOr(options).machine));
+    need(found, "the result") =
+        c::toC(need(surface, "the surface")
+                   .surface.hausdorff(need(other, "the other surface").surface,
+                                      {c::poseOf(pose), tolerance, bothWays}, c::optionsOr(options).machine));
   });
 }
 
