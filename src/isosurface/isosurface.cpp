@@ -1,6 +1,7 @@
 #include <raymap/isosurface.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "base/parallel.h"
@@ -18,6 +19,8 @@ namespace {
 constexpr double kSmooth = 0.1;
 // Errors of the gradient's length below this are noise.
 constexpr double kExact = 0.004;
+// Gradients whose errors differ less than this are equally likely.
+constexpr double kTied = 1e-4;
 // Error of the length that curvature with a radius of 3 samples causes.
 constexpr double kCurved = 0.045;
 // Share of a smaller error that one-sided differences leave beside an edge between planes.
@@ -57,21 +60,50 @@ class SamplePlanes {
     const double from = value(read, inside), to = value(read, outside);
     const glm::dvec3 crossing = start + step * (from / (from - to));
     fit.addCrossing(crossing);
-    const glm::dvec3 g = gradient(read, inside), h = gradient(read, outside);
-    fit.addPlane(start - from * g, g);
-    fit.addPlane(start + step - to * h, h);
-    if (const double length = glm::length(g + h); length > kMinLength)
-      fit.addPlane(crossing, (g + h) / length, kCrossing);
+    const Gradients g = gradients(read, inside), h = gradients(read, outside);
+    g.addPlanes(fit, start, from);
+    h.addPlanes(fit, start + step, to);
+    const glm::dvec3 normal = g.mean() + h.mean();
+    if (const double length = glm::length(normal); length > kMinLength)
+      fit.addPlane(crossing, normal / length, kCrossing);
   }
 
  private:
   double value(Reader& read, const glm::ivec3& s) const { return scale_ * (double(read(s)) - iso_); }
 
-  /// Returns the gradient at a sample, at length 1 like that of any distance. Central differences across an
-  /// edge of the surface are shorter than 1; one-sided differences that do not cross it replace them.
-  /// Curvature shortens central differences a little too, but then one-sided ones are worse, or better only
-  /// by chance.
-  glm::dvec3 gradient(Reader& read, const glm::ivec3& s) const {
+  /// The likely gradients at a sample, at length 1 like those of any distance. There are several where the
+  /// sample is as far from several parts of the surface, as beside the edge of a box.
+  class Gradients {
+   public:
+    /// Adds a gradient unless others are likelier. Rounding does not decide between equally likely ones.
+    void add(const glm::dvec3& gradient, double error) {
+      const double length = glm::length(gradient);
+      if (!(length > kMinLength) || error > least_ + kTied) return;
+      if (error < least_ - kTied) count_ = 0;
+      least_ = std::min(least_, error);
+      items_[count_++] = gradient / length;
+    }
+    /// Adds the planes at this distance from the sample. Their weights sum to 1.
+    void addPlanes(PlaneFit& fit, const glm::dvec3& sample, double distance) const {
+      for (size_t i = 0; i < count_; ++i)
+        fit.addPlane(sample - distance * items_[i], items_[i], 1.0 / double(count_));
+    }
+    glm::dvec3 mean() const {
+      glm::dvec3 sum(0.0);
+      for (size_t i = 0; i < count_; ++i) sum += items_[i] / double(count_);
+      return sum;
+    }
+
+   private:
+    std::array<glm::dvec3, 9> items_;
+    size_t count_ = 0;
+    double least_ = INFINITY;
+  };
+
+  /// Returns the gradients at a sample. Central differences across an edge of the surface are shorter than 1;
+  /// one-sided differences that do not cross it replace them. Curvature shortens central differences a little
+  /// too, but then one-sided ones are worse, or better only by chance.
+  Gradients gradients(Reader& read, const glm::ivec3& s) const {
     glm::dvec3 low(0.0), high(0.0);
     for (int a = 0; a < 3; ++a) {
       glm::ivec3 step(0);
@@ -85,21 +117,23 @@ class SamplePlanes {
     return mostLikely(low, high);
   }
 
-  static glm::dvec3 mostLikely(const glm::dvec3& low, const glm::dvec3& high) {
-    glm::dvec3 best = 0.5 * (low + high);
-    const double central = std::abs(glm::length(best) - 1.0);
-    double least = central > kCurved ? central : kPlanar * central;
+  static Gradients mostLikely(const glm::dvec3& low, const glm::dvec3& high) {
+    const glm::dvec3 central = 0.5 * (low + high);
+    const double error = std::abs(glm::length(central) - 1.0);
+    Gradients likely;
+    likely.add(central, error > kCurved ? error : kPlanar * error);
+    if (error <= kExact) return likely;
     // Each axis has two choices, or one if both are nearly the same.
-    glm::dvec3 first = low, second = high;
+    int choices = 0;
     for (int a = 0; a < 3; ++a)
-      if (std::abs(high[a] - low[a]) <= kSmooth) first[a] = second[a] = best[a];
-    for (int choice = 0; choice < 8 && central > kExact; ++choice) {
-      const glm::dvec3 g = glm::mix(first, second, glm::bvec3(choice & 1, choice & 2, choice & 4));
-      const double error = std::abs(glm::length(g) - 1.0);
-      if (error < least) least = error, best = g;
+      if (std::abs(high[a] - low[a]) > kSmooth) choices |= 1 << a;
+    for (int choice = 0; choice < 8; ++choice) {
+      if (choice & ~choices) continue;
+      const glm::bvec3 one(choices & 1, choices & 2, choices & 4), up(choice & 1, choice & 2, choice & 4);
+      const glm::dvec3 g = glm::mix(central, glm::mix(low, high, up), one);
+      likely.add(g, std::abs(glm::length(g) - 1.0));
     }
-    const double length = glm::length(best);
-    return length > kMinLength ? best / length : glm::dvec3(0.0);
+    return likely;
   }
 
   const Field& field_;

@@ -211,6 +211,22 @@ TEST(Isosurface, KeepsTheEdgesOfACube) {
   }
 }
 
+TEST(Isosurface, DoesNotLetRoundingDecideWhereSidesAreEquallyNear) {
+  // Samples on the diagonals of this box are as far from two or three of its sides.
+  const auto box = [](const dvec3& p) {
+    const dvec3 q = glm::abs(p) - 1.03;
+    return glm::length(glm::max(q, 0.0)) + std::min(std::max({q.x, q.y, q.z}), 0.0);
+  };
+  const Mesh mesh = surfaceOf(analytic::sampled(gridAround(1.6, 17), box));
+  std::mt19937 random(1);
+  std::uniform_real_distribution<double> noise(-1e-6, 1e-6);
+  const Mesh noisy = surfaceOf(
+      analytic::sampled(gridAround(1.6, 17), [&](const dvec3& p) { return box(p) + noise(random); }));
+  ASSERT_EQ(noisy.vertices.size(), mesh.vertices.size());
+  for (uint32_t v = 0; v < mesh.vertices.size(); ++v)
+    EXPECT_LT(glm::distance(noisy.position(v), mesh.position(v)), 1e-4);
+}
+
 TEST(Isosurface, ClosesASolidThatReachesTheBox) {
   const Grid grid = gridAround(2.0, 16);
   Warning warning;
