@@ -73,6 +73,9 @@ void printMended(const RepairReport& report, const std::optional<double>& base) 
   if (report.cleanedFaces > 0)
     words += (words.empty() ? "" : ", ") +
              ("removed " + counted(report.cleanedFaces, "degenerate or repeated face"));
+  if (report.unitedFaces > 0)
+    words += (words.empty() ? "" : ", ") +
+             ("cut " + counted(report.unitedFaces, "face") + " where they met others");
   if (report.closingFaces > 0 && !base)
     words += (words.empty() ? "" : ", ") + ("closed " + counted(report.closedHoles, "hole")) + " with " +
              counted(report.closingFaces, "face");
@@ -135,7 +138,10 @@ Json describe(const RepairArguments& arguments, const Grid& grid, const RepairRe
 const char* wordFor(const RepairReport& report) {
   if (!report.kept) return "remade";
   if (report.simplified.tolerance > 0.0) return "simplified";
-  return report.cleanedFaces + report.closingFaces + report.stats.turnedFaces.size() > 0 ? "mended" : "kept";
+  if (report.partsOverlap) return "mended";
+  return report.cleanedFaces + report.unitedFaces + report.closingFaces + report.stats.turnedFaces.size() > 0
+             ? "mended"
+             : "kept";
 }
 
 void print(const RepairArguments& arguments, const RepairGrid& grid, const RepairReport& report) {

@@ -7,6 +7,7 @@ find_package(Threads REQUIRED)
 find_package(TBB REQUIRED)
 find_package(glm REQUIRED)
 find_package(hwy REQUIRED)
+find_package(Boost REQUIRED) # Headers only: integers of any size.
 find_package(nlohmann_json REQUIRED) # Reports and options of raymap/c.h.
 if(RAYMAP_IO)
   find_package(ZLIB REQUIRED)

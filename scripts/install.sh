@@ -16,7 +16,8 @@ packages=(
   libpng-dev zlib1g-dev          # pictures, compressed fields
   glslc spirv-cross              # shaders, also in the language of browsers
   libpugixml-dev libzip-dev libexpat1-dev  # .vti, .npz and .3mf
-  libopenvdb-dev libboost-dev libboost-iostreams-dev  # .vdb (and a benchmark's peer), and what its headers need
+  libboost-dev                   # integers of any size
+  libopenvdb-dev libboost-iostreams-dev  # .vdb (and a benchmark's peer), and what its headers need
   libnanovdb-dev                 # .nvdb
   libvulkan-dev libvulkan-volk-dev  # GPUs: headers, the loader's loader;
   mesa-vulkan-drivers vulkan-validationlayers  # and a GPU in software to test on, and checks of how it is used

@@ -199,6 +199,7 @@ void forEachMember(const RepairReport& report, auto&& use) {
   use("parts_overlap", report.partsOverlap);
   use("kept", report.kept);
   use("cleaned_faces", report.cleanedFaces);
+  use("united_faces", report.unitedFaces);
   use("closed_holes", report.closedHoles);
   use("closing_faces", report.closingFaces);
   use("least_thickness", report.leastThickness);

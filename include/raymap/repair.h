@@ -149,11 +149,15 @@ struct RepairReport {
   Removed buried = {};        ///< Parts in cavities that were filled.
   bool partsOverlap = false;  ///< Whether parts overlap, touch or nest wrongly, and all else is right.
   /// Whether the mesh's own faces were kept or simplified: nothing was wrong with it, or only holes,
-  /// turned, degenerate and repeated faces. `stats.turnedFaces` has these.
+  /// turned, degenerate and repeated faces, or faces that could be cut where they meet others.
+  /// `stats.turnedFaces` has the turned ones.
   bool kept = false;
   /// Number of degenerate and repeated faces that were removed, or replaced together with a neighbour, so
   /// that the other faces could be kept.
   size_t cleanedFaces = 0;
+  /// Number of faces that were cut where they cross, overlap or touch others, so that the faces that bound
+  /// the union could be kept. 0 also if no face was, but parts in others went.
+  size_t unitedFaces = 0;
   size_t closedHoles = 0;       ///< Number of holes that faces were added to close, before anything else.
   size_t closingFaces = 0;      ///< Number of these faces, with the walls to a base.
   double leastThickness = 0.0;  ///< Thickness of the plates in place of thinner parts; 0 = none made.
@@ -204,9 +208,9 @@ RAYMAP_API std::string describeThickness(const MeshView& mesh, const Verdict& ve
 
 /// Returns a watertight solid in place of any mesh: the isosurface of its field on `grid`, which must hold
 /// the result. Keeps the faces of a mesh with nothing wrong that needs no change; also of one in which
-/// leaving out degenerate and repeated faces, turning faces back, and with `closeHoles` filling holes, leaves
-/// nothing wrong. Else fills what a plane closes before it makes the field; deviations are then measured from
-/// the mesh with these faces.
+/// leaving out degenerate and repeated faces, turning faces back, cutting faces where they meet others, and
+/// with `closeHoles` filling holes, leaves nothing wrong. Else fills what a plane closes before it makes the
+/// field; deviations are then measured from the mesh with these faces.
 ///
 /// `options` say how distance and sign are found. All of `machine` is used. The field is a narrow band, made
 /// on the CPU; it has all samples, made on `device`, for a shell, if `device` names a GPU, and for another

@@ -468,10 +468,14 @@ class RepairReport(TypedDict):
     """Whether parts overlap, touch or nest wrongly, and all else is right."""
     kept: bool
     """Whether the mesh's own faces were kept or simplified: nothing was wrong with it, or only holes, turned,
-    degenerate and repeated faces. ``stats.turnedFaces`` has these."""
+    degenerate and repeated faces, or faces that could be cut where they meet others. ``stats.turnedFaces`` has the
+    turned ones."""
     cleaned_faces: int
     """Number of degenerate and repeated faces that were removed, or replaced together with a neighbour, so that the
     other faces could be kept."""
+    united_faces: int
+    """Number of faces that were cut where they cross, overlap or touch others, so that the faces that bound the union
+    could be kept. 0 also if no face was, but parts in others went."""
     closed_holes: int
     """Number of holes that faces were added to close, before anything else."""
     closing_faces: int

@@ -17,6 +17,7 @@
 #include "base/progress.h"
 #include "base/sort_keys.h"
 #include "mesh/model.h"
+#include "mesh/vertex_lattice.h"
 #include "predicates/triangle_triangle.h"
 
 namespace raymap {
@@ -48,59 +49,18 @@ struct Box3 {
 struct Face {
   WholeTriangle corners;
   uint32_t id;
-
-  Box3 box() const {
-    return {glm::min(glm::min(corners[0], corners[1]), corners[2]),
-            glm::max(glm::max(corners[0], corners[1]), corners[2])};
-  }
 };
 
-/// Returns what `std::round` does, without its call.
-double roundFast(double x) {
-  if (!(std::abs(x) < 0x1p51)) return std::round(x);
-  constexpr double kWhole = 0x1.8p52;  // Numbers of this size have no fraction.
-  const double even = (x + kWhole) - kWhole, rest = x - even;
-  if (rest == 0.5 && x > 0.0) return even + 1.0;
-  if (rest == -0.5 && x < 0.0) return even - 1.0;
-  return even;
+Box3 boxOf(const WholeTriangle& t) {
+  return {glm::min(glm::min(t[0], t[1]), t[2]), glm::max(glm::max(t[0], t[1]), t[2])};
 }
-
-/// Puts faces on a lattice of 2^29 to 2^30 steps along the longest side. Steps are powers of two, so most
-/// single-precision numbers lie on the lattice and faces that touch still do.
-class Lattice {
- public:
-  explicit Lattice(const PackedMesh& mesh) : mesh_(mesh) {
-    const Box box = bounds(mesh);
-    const glm::dvec3 size = box.size();
-    int exponent = 0;
-    std::frexp(0.5 * std::max({size.x, size.y, size.z}), &exponent);
-    scale_ = std::ldexp(1.0, kTriangleBits - exponent);
-    centre_ = glm::round((box.centre() - mesh.origin) * scale_);
-  }
-
-  Face face(size_t f) const {
-    Face face;
-    face.id = uint32_t(f);
-    for (int c = 0; c < 3; ++c) {
-      const glm::dvec3 p = scale_ * glm::dvec3(mesh_.vertices[mesh_.triangles[f][c]]);
-      const glm::dvec3 whole(roundFast(p.x), roundFast(p.y), roundFast(p.z));
-      face.corners[size_t(c)] = glm::ivec3(whole - centre_);
-    }
-    return face;
-  }
-
- private:
-  const PackedMesh& mesh_;
-  double scale_;
-  glm::dvec3 centre_;
-};
 
 /// Returns the faces along a space-filling curve through their middles.
 Buffer<Face> sortedFaces(const PackedMesh& mesh) {
-  const Lattice lattice(mesh);
+  const VertexLattice lattice(mesh);
   const auto make = [&](size_t begin, size_t end, SortKey* to) {
     for (size_t f = begin; f < end; ++f) {
-      const Box3 box = lattice.face(f).box();
+      const Box3 box = boxOf(lattice.face(f));
       const glm::uvec3 middle((Point(box.low) + Point(box.high) + Point(int64_t{2} << kTriangleBits)) >>
                               int64_t{kTriangleBits + 2 - 21});
       *to++ = {f, mortonCode(middle.x, middle.y, middle.z)};
@@ -110,7 +70,7 @@ Buffer<Face> sortedFaces(const PackedMesh& mesh) {
   sortKeys(mesh.triangles.size(), make, order);
   Buffer<Face> faces(order.size());
   parallelFor(faces.size(), kFacesPerTask, [&](size_t begin, size_t end) {
-    for (size_t f = begin; f < end; ++f) faces[f] = lattice.face(order[f].low);
+    for (size_t f = begin; f < end; ++f) faces[f] = {lattice.face(order[f].low), uint32_t(order[f].low)};
   });
   return faces;
 }
@@ -160,7 +120,7 @@ static_assert(kArity == 8);
 class BoxTree {
  public:
   explicit BoxTree(std::span<const Face> faces) {
-    levels_.push_back(packets(faces.size(), [&](size_t f) { return faces[f].box(); }));
+    levels_.push_back(packets(faces.size(), [&](size_t f) { return boxOf(faces[f].corners); }));
     while (levels_.back().size() > 1) {
       const Buffer<BoxPacket>& below = levels_.back();
       levels_.push_back(packets(below.size(), [&](size_t node) { return below[node].boxOfAll(); }));
@@ -219,6 +179,7 @@ bool areRepeated(const WholeTriangle& a, const WholeTriangle& b) {
 }
 
 /// Tests the faces of one leaf against later faces. Returns the number of tests.
+template <bool kTouching>
 size_t searchLeaf(std::span<const Face> faces, const BoxTree& tree, size_t leaf, std::vector<uint32_t>& near,
                   std::vector<FacePair>& pairs) {
   near.clear();
@@ -236,9 +197,10 @@ size_t searchLeaf(std::span<const Face> faces, const BoxTree& tree, size_t leaf,
         ++tests;
         const size_t g = other * kArity + size_t(std::countr_zero(bits));
         const bool areSmall = isSmall && tree.leaf(other).box(g % kArity).isSmall();
-        const Meeting meeting = meet(faces[f].corners, plane, faces[g].corners, areSmall);
+        const Meeting meeting = kTouching ? mayTouch(faces[f].corners, plane, faces[g].corners, areSmall)
+                                          : meet(faces[f].corners, plane, faces[g].corners, areSmall);
         if (meeting == Meeting::Cross ||
-            (meeting == Meeting::InPlane && !areRepeated(faces[f].corners, faces[g].corners)))
+            (meeting == Meeting::InPlane && (kTouching || !areRepeated(faces[f].corners, faces[g].corners))))
           pairs.push_back({faces[f].id, faces[g].id, meeting == Meeting::InPlane});
       }
     }
@@ -246,11 +208,12 @@ size_t searchLeaf(std::span<const Face> faces, const BoxTree& tree, size_t leaf,
   return tests;
 }
 
+template <bool kTouching>
 LeafResult searchLeaves(std::span<const Face> faces, const BoxTree& tree, size_t begin, size_t end) {
   LeafResult result;
   std::vector<uint32_t> near;
   for (size_t leaf = begin; leaf < end; ++leaf) {
-    const size_t tests = searchLeaf(faces, tree, leaf, near, result.pairs);
+    const size_t tests = searchLeaf<kTouching>(faces, tree, leaf, near, result.pairs);
     result.tests += tests;
     result.isComplete = result.isComplete && tests < kMostTestsOfLeaf;
   }
@@ -265,6 +228,7 @@ size_t roundsLeft(size_t testsLeft) {
 /// Searches all leaves in rounds. Whether there is another round depends on the number of tests so far, but
 /// not on the number of threads. Visits all pairs in an order that does not depend on it, either. Returns
 /// whether the search is complete.
+template <bool kTouching>
 bool searchAll(std::span<const Face> faces, const BoxTree& tree, const VisitPair& visit, Progress& progress) {
   bool isComplete = true;
   const size_t most = std::max(kMostTests, kMostTestsPerFace * faces.size());
@@ -275,7 +239,7 @@ bool searchAll(std::span<const Face> faces, const BoxTree& tree, const VisitPair
     std::vector<LeafResult> results((count + kLeavesPerTask - 1) / kLeavesPerTask);
     parallelFor(results.size(), 1, [&](size_t task, size_t) {
       const size_t begin = task * kLeavesPerTask, end = std::min(begin + kLeavesPerTask, count);
-      results[task] = searchLeaves(faces, tree, first + begin, first + end);
+      results[task] = searchLeaves<kTouching>(faces, tree, first + begin, first + end);
     });
     for (const LeafResult& result : results) {
       tests += result.tests;
@@ -300,7 +264,12 @@ std::vector<uint32_t> facesIn(const std::vector<bool>& isIn) {
 bool forEachMeetingPair(const PackedMesh& mesh, const VisitPair& visit, Progress& progress) {
   const Buffer<Face> faces = sortedFaces(mesh);
   progress.report(0.15);
-  return searchAll(faces, BoxTree(faces), visit, progress);
+  return searchAll<false>(faces, BoxTree(faces), visit, progress);
+}
+
+bool forEachTouchingPair(const PackedMesh& mesh, const VisitPair& visit, Progress& progress) {
+  const Buffer<Face> faces = sortedFaces(mesh);
+  return searchAll<true>(faces, BoxTree(faces), visit, progress);
 }
 
 SelfIntersections findSelfIntersections(const MeshView& view, const MachineOptions& machine) {

@@ -21,4 +21,8 @@ using VisitPair = std::function<void(const FacePair&)>;
 /// Returns false if the search stopped early.
 bool forEachMeetingPair(const PackedMesh& mesh, const VisitPair& visit, Progress& progress);
 
+/// Does the same for all pairs that cross, overlap in one plane, repeat each other, or may touch outside of
+/// common corners and edges. Faces without area are in none.
+bool forEachTouchingPair(const PackedMesh& mesh, const VisitPair& visit, Progress& progress);
+
 }  // namespace raymap

@@ -56,12 +56,32 @@ class WholePlane {
     if (n == Point(0)) return -1;
     return n.x >= n.y && n.x >= n.z ? 0 : n.y >= n.z ? 1 : 2;
   }
+  const glm::i64vec3& normal() const { return normal_; }
 
  private:
   using Point = glm::i64vec3;
 
   Point point_, normal_;
 };
+
+/// Axis along which the common line of two planes is longest, and where the cross product of their normals
+/// points there: 1 or -1; 0 if they are parallel.
+struct CommonLine {
+  int axis = 0, sign = 0;
+};
+
+inline CommonLine commonLine(const glm::i64vec3& m, const glm::i64vec3& n) {
+  CommonLine line;
+  Int128 longest = 0;
+  for (int k = 0; k < 3; ++k) {
+    const int u = (k + 1) % 3, v = (k + 2) % 3;
+    const Int128 along = Int128(m[u]) * n[v] - Int128(m[v]) * n[u], length = along < 0 ? -along : along;
+    if (length <= longest) continue;
+    longest = length;
+    line = {k, along > 0 ? 1 : -1};
+  }
+  return line;
+}
 
 inline bool areOnBoth(const CornerSides& sides) {
   return std::min(std::min(sides[0], sides[1]), sides[2]) < 0 &&
@@ -130,6 +150,32 @@ inline Meeting meet(const WholeTriangle& a, const WholePlane& planeOfA, const Wh
   const CornerSides ofB = planeOfA.sidesOf(b, areSmall);
   if (ofB == CornerSides{0, 0, 0}) return overlapInPlane(a, planeOfA, b) ? Meeting::InPlane : Meeting::None;
   return doCross(a, ofB, b, areSmall) ? Meeting::Cross : Meeting::None;
+}
+
+inline bool areBeside(const CornerSides& sides) {
+  return sides[0] != 0 && sides[0] == sides[1] && sides[0] == sides[2];
+}
+
+/// Returns whether one corner of a triangle lies in a plane, and the others on one side of it.
+inline bool standsOnCorner(const CornerSides& sides) {
+  return std::ranges::count(sides, 0) == 1 && !areOnBoth(sides);
+}
+
+/// Returns how two triangles may meet: as `meet` does, but also if they touch outside of common corners and
+/// edges, and in some cases where they do not.
+inline Meeting mayTouch(const WholeTriangle& a, const WholePlane& planeOfA, const WholeTriangle& b,
+                        bool areSmall) {
+  const WholePlane planeOfB(b);
+  if (planeOfA.steepestAxis() < 0 || planeOfB.steepestAxis() < 0) return Meeting::None;
+  const CornerSides ofB = planeOfA.sidesOf(b, areSmall);
+  if (ofB == CornerSides{0, 0, 0}) return overlapInPlane(a, planeOfA, b) ? Meeting::InPlane : Meeting::None;
+  if (areBeside(ofB)) return Meeting::None;
+  const CornerSides ofA = planeOfB.sidesOf(a, areSmall);
+  if (areBeside(ofA)) return Meeting::None;
+  const auto common =
+      std::ranges::count_if(a, [&](const glm::ivec3& p) { return std::ranges::find(b, p) != b.end(); });
+  if (common > 1 || (common == 1 && (standsOnCorner(ofA) || standsOnCorner(ofB)))) return Meeting::None;
+  return Meeting::Cross;
 }
 
 }  // namespace raymap

@@ -1,11 +1,17 @@
+#include <algorithm>
+#include <iterator>
+#include <optional>
 #include <utility>
+#include <vector>
 
+#include "api/field_warnings.h"
 #include "base/text.h"
 #include "mesh/compact.h"
 #include "mesh/diagnostics.h"
 #include "repair/stages.h"
 #include "repair/topology/clean_faces.h"
 #include "repair/topology/drop_pieces.h"
+#include "repair/topology/unite_parts.h"
 
 namespace raymap {
 
@@ -75,6 +81,22 @@ void keepCleaned(const Model& mesh, RepairRun& run) {
   run.report.cleanedFaces = cleaned.count;
 }
 
+/// Keeps the faces of a mesh whose parts cross, overlap or touch: those that bound their union.
+void keepUnited(RepairRun& run) {
+  const bool mayTurn = run.fieldOptions.orientation != Orientation::Keep;
+  std::optional<UnitedParts> united = uniteParts(Model(MeshView(run.mesh())), mayTurn);
+  if (!united) return;
+  std::vector<uint32_t> turned;
+  std::ranges::set_symmetric_difference(run.mended.turned, united->inverted.faces,
+                                        std::back_inserter(turned));
+  std::erase_if(turned, [&](uint32_t face) { return face >= run.given.triangles.size(); });
+  run.mended.turned = std::move(turned);
+  keep(Model(united->mesh), run);
+  run.report.unitedFaces = united->cutFaces;
+  run.report.stats.invertedParts = std::move(united->inverted.firsts);
+  warnOfInvertedParts(run.report.stats, run.machine.warn);
+}
+
 }  // namespace
 
 void inspectGiven(RepairRun& run) {
@@ -102,6 +124,7 @@ void inspectGiven(RepairRun& run) {
     mended = mend(mesh, found, crossing, run.fieldOptions.orientation, options, mayKeep);
     if (mended.isRight) keep(Model(mended.mesh), run);
   }
+  if (!report.kept && mayKeep && !options.base && crossing.complete) keepUnited(run);
   report.closedHoles = mended.filled.holes;
   report.closingFaces = mended.filled.faces;
   report.stats.turnedFaces = mended.turned;

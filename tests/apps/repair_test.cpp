@@ -12,9 +12,9 @@ class CliRepair : public Cli {};
 TEST_F(CliRepair, NamesTheFlagThatKeepsWhatIsLost) {
   writeMesh(path("plate.ply"),
             shapes::joined(shapes::box({0, 0, 0}, {10, 10, 10}), shapes::box({1, 4.03, 9}, {9, 4.33, 16})));
-  const std::string text =
-      run("repair plate.ply -o plate.stl --voxel-size 0.5 --min-thickness 0 --device cpu --stats plate.json")
-          .err;
+  const std::string text = run("repair plate.ply -o plate.stl --remesh --voxel-size 0.5 --min-thickness 0 "
+                               "--device cpu --stats plate.json")
+                               .err;
   const Json warning = json("plate.json")["warnings"].at(0);
   EXPECT_EQ(warning["code"], "solid_lost");
   EXPECT_EQ(warning["voxel_size"], json("plate.json")["loss"]["voxel_size"]);

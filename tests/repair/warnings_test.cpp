@@ -87,16 +87,19 @@ TEST(RepairWarnings, TellOfWallsThatGrow) {
   };
   const GridOptions grid{.resolution = 40};
   const double spacing = fitRepairGrid(walls(0.1), grid).spacing;  // 0.28, so that plates are 0.48 thick.
-  const auto warning = onlyWarning(WarningCode::PartsThickened, walls(0.1), {}, grid);
+  const auto warning = onlyWarning(WarningCode::PartsThickened, walls(0.1), {.remesh = true}, grid);
   ASSERT_TRUE(warning.has_value());
   EXPECT_NEAR(warning->fields.share, 2.0 * 8.0 * 7.0 / (200.0 + 80.0 + 112.0), 0.05);
   EXPECT_EQ(warning->fields.length, 1.75 * spacing);
   EXPECT_NEAR(warning->fields.voxelSize, 0.05, 0.0011);
   EXPECT_NE(warning->message.find("walls about 0.1 thick"), std::string::npos) << warning->message;
-  EXPECT_FALSE(onlyWarning(WarningCode::PartsThickened, walls(0.5 * 1.75 * spacing + 0.01), {}, grid));
-  EXPECT_TRUE(onlyWarning(WarningCode::PartsThickened, walls(0.5 * 1.75 * spacing - 0.01), {}, grid));
-  EXPECT_FALSE(onlyWarning(WarningCode::PartsThickened, walls(0.1), {.minThickness = 0.7}, grid));
-  const auto thin = onlyWarning(WarningCode::PartsThickened, walls(0.01), {}, grid);
+  EXPECT_FALSE(
+      onlyWarning(WarningCode::PartsThickened, walls(0.5 * 1.75 * spacing + 0.01), {.remesh = true}, grid));
+  EXPECT_TRUE(
+      onlyWarning(WarningCode::PartsThickened, walls(0.5 * 1.75 * spacing - 0.01), {.remesh = true}, grid));
+  EXPECT_FALSE(
+      onlyWarning(WarningCode::PartsThickened, walls(0.1), {.minThickness = 0.7, .remesh = true}, grid));
+  const auto thin = onlyWarning(WarningCode::PartsThickened, walls(0.01), {.remesh = true}, grid);
   ASSERT_TRUE(thin.has_value());
   EXPECT_EQ(thin->fields.voxelSize, 0.0);
   EXPECT_NE(thin->message.find("too many"), std::string::npos);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <optional>
 #include <utility>
 
@@ -15,7 +16,9 @@ namespace raymap {
 
 namespace {
 
-constexpr double kShortEdge = 1e-6;  // Share of the face's longest edge.
+constexpr double kShortEdge = 1e-6;         // Share of the face's longest edge.
+constexpr double kShortRoundedEdge = 1e-5;  // The same where corners are rounded.
+constexpr double kRoundedEdge = 1e-6;       // Share of the mesh's size that rounding may make of a point.
 
 /// Leaves out the faces that are marked.
 void leaveOut(const std::vector<bool>& isLeftOut, CleanedFaces& cleaned) {
@@ -45,7 +48,7 @@ void leaveOutRepeated(CleanedFaces& cleaned) {
 /// Edges of a face by length: edge k goes from corner k to the next.
 struct EdgeLengths {
   int shortest = 0, longest = 0;
-  bool isShort = false;
+  double shortLength = 0.0, longLength = 0.0;
 };
 
 EdgeLengths edgeLengths(const Mesh& mesh, const glm::uvec3& t) {
@@ -59,7 +62,8 @@ EdgeLengths edgeLengths(const Mesh& mesh, const glm::uvec3& t) {
     if (squares[k] < squares[lengths.shortest]) lengths.shortest = k;
     if (squares[k] > squares[lengths.longest]) lengths.longest = k;
   }
-  lengths.isShort = squares[lengths.shortest] < kShortEdge * kShortEdge * squares[lengths.longest];
+  lengths.shortLength = std::sqrt(squares[lengths.shortest]);
+  lengths.longLength = std::sqrt(squares[lengths.longest]);
   return lengths;
 }
 
@@ -72,14 +76,17 @@ std::vector<uint32_t> degenerateFaces(const Model& mesh) {
 }
 
 /// Welds the ends of short edges of degenerate faces. Returns whether there were any.
-bool weldShortEdges(CleanedFaces& cleaned, const std::vector<uint32_t>& degenerate) {
+bool weldShortEdges(CleanedFaces& cleaned, const std::vector<uint32_t>& degenerate, bool areRounded) {
   Mesh& mesh = cleaned.mesh;
+  const glm::dvec3 size = bounds(mesh).size();
+  const double least = areRounded ? kRoundedEdge * std::max({size.x, size.y, size.z}) : 0.0,
+               share = areRounded ? kShortRoundedEdge : kShortEdge;
   DisjointSets sets(mesh.vertices.size());
   bool isAny = false;
   for (const uint32_t f : degenerate) {
     const glm::uvec3& t = mesh.triangles[f];
     const EdgeLengths lengths = edgeLengths(mesh, t);
-    if (!lengths.isShort) continue;
+    if (lengths.shortLength >= std::max(least, share * lengths.longLength)) continue;
     sets.link(t[lengths.shortest], t[(lengths.shortest + 1) % 3]);
     isAny = true;
   }
@@ -125,20 +132,25 @@ void leaveOutFlaps(CleanedFaces& cleaned, const std::vector<bool>& isFlipped) {
   leaveOut(isLeftOut, cleaned);
 }
 
-/// Flips the longest edges of degenerate faces whose neighbours there are sound, each face at most once.
-/// Returns whether there were any.
-bool flipLongEdges(CleanedFaces& cleaned, const std::vector<uint32_t>& degenerate) {
+/// Flips the longest edges of degenerate faces, each face at most once. Their neighbours there are sound, or
+/// if corners are rounded, any with which the edge gets shorter. Returns whether there were any.
+bool flipLongEdges(CleanedFaces& cleaned, const std::vector<uint32_t>& degenerate, bool areRounded) {
   const Model mesh(cleaned.mesh);
-  std::vector<bool> isTaken(cleaned.given.size());
-  for (const uint32_t face : degenerate) isTaken[face] = true;
+  std::vector<bool> isTaken(cleaned.given.size()), isDegenerate(cleaned.given.size());
+  for (const uint32_t face : degenerate) isDegenerate[face] = true;
+  const auto length = [&](uint32_t a, uint32_t b) {
+    return glm::distance(glm::dvec3(mesh.vertices[a]), glm::dvec3(mesh.vertices[b]));
+  };
   std::vector<std::pair<uint32_t, glm::uvec3>> replaced;
   for (const uint32_t face : degenerate) {
     const glm::uvec3 t = mesh.triangles[face];
     const int k = edgeLengths(cleaned.mesh, t).longest;
     const std::optional<Neighbour> across = neighbourOf(mesh, face, k);
-    if (!across || isTaken[across->face]) continue;
+    if (!across || isTaken[face] || isTaken[across->face]) continue;
     const uint32_t from = t[k], to = t[(k + 1) % 3], apex = t[(k + 2) % 3];
-    isTaken[across->face] = true;
+    if (isDegenerate[across->face] && !(areRounded && length(apex, across->apex) < length(from, to)))
+      continue;
+    isTaken[face] = isTaken[across->face] = true;
     replaced.emplace_back(face, glm::uvec3(from, across->apex, apex));
     replaced.emplace_back(across->face, glm::uvec3(across->apex, to, apex));
     ++cleaned.count;
@@ -154,7 +166,7 @@ bool flipLongEdges(CleanedFaces& cleaned, const std::vector<uint32_t>& degenerat
 
 }  // namespace
 
-CleanedFaces cleanFaces(const Model& mesh) {
+CleanedFaces cleanFaces(const Model& mesh, bool areRounded) {
   constexpr int kMostRounds = 16;  // A round takes one of several degenerate faces in a row.
   CleanedFaces cleaned{.mesh = weldedCopy(mesh)};
   for (uint32_t f = 0; f < cleaned.mesh.triangles.size(); ++f) cleaned.given.push_back(f);
@@ -163,7 +175,8 @@ CleanedFaces cleanFaces(const Model& mesh) {
   for (int round = 0; round < kMostRounds; ++round) {
     const std::vector<uint32_t> degenerate = degenerateFaces(Model(cleaned.mesh));
     if (degenerate.empty()) break;
-    if (!weldShortEdges(cleaned, degenerate) && !flipLongEdges(cleaned, degenerate)) break;
+    if (!weldShortEdges(cleaned, degenerate, areRounded) && !flipLongEdges(cleaned, degenerate, areRounded))
+      break;
   }
   removeUnusedVertices(cleaned.mesh);
   return cleaned;

@@ -19,7 +19,9 @@ struct CleanedFaces {
 
 /// Leaves out faces with a repeated corner, and repeated ones that close nothing. Welds the ends of edges
 /// shorter than 1e-6 of the longest edge of a degenerate face. Flips the longest edge of the other degenerate
-/// faces, which moves no surface by more than their height, unless that leaves a degenerate face.
-CleanedFaces cleanFaces(const Model& mesh);
+/// faces, which moves no surface by more than their height, unless that leaves a degenerate face. If
+/// corners are rounded, welds edges of up to 1e-5 of the longest, or of 1e-6 of the mesh, and flips edges
+/// between two degenerate faces, too: more faces go, but others may cross then.
+CleanedFaces cleanFaces(const Model& mesh, bool areRounded = false);
 
 }  // namespace raymap

@@ -65,14 +65,6 @@ void turnOut(Mesh& mesh, size_t given, std::vector<uint32_t>& turned) {
   turned = std::move(others);
 }
 
-/// Returns whether nothing is wrong with a mesh.
-bool isAllRight(const Model& mesh) {
-  const Diagnostics found = diagnose(mesh, {.brief = true});
-  if (!looksRight(found)) return false;
-  const SelfIntersections crossing = findSelfIntersections(mesh);
-  return crossesNowhere(crossing) && isRight(arrangeParts(mesh, found, crossing));
-}
-
 /// Joins the mesh to the base that is asked for. Returns the faces that do.
 FilledHoles addBase(Mesh& mesh, bool crossesNowhere, const RepairOptions& repair) {
   const size_t before = mesh.triangles.size();
@@ -106,6 +98,13 @@ bool looksRight(const Diagnostics& found) {
 
 bool crossesNowhere(const SelfIntersections& crossing) {
   return crossing.pairs == 0 && crossing.complete;
+}
+
+bool isAllRight(const Model& mesh) {
+  const Diagnostics found = diagnose(mesh, {.brief = true});
+  if (!looksRight(found)) return false;
+  const SelfIntersections crossing = findSelfIntersections(mesh);
+  return crossesNowhere(crossing) && isRight(arrangeParts(mesh, found, crossing));
 }
 
 Mended mend(const Model& mesh, const Diagnostics& found, const SelfIntersections& crossing,

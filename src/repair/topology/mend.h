@@ -19,6 +19,9 @@ bool looksRight(const Diagnostics& found);
 /// Returns whether no faces cross, and the search for them is complete.
 bool crossesNowhere(const SelfIntersections& crossing);
 
+/// Returns whether nothing at all is wrong with a mesh.
+bool isAllRight(const Model& mesh);
+
 /// A mesh with what is certain mended: faces turned back, holes closed.
 struct Mended {
   Mesh mesh = {};                     ///< The faces as given and in their order, then those that were added.

@@ -1,0 +1,43 @@
+#include "repair/topology/unite_parts.h"
+
+#include <cmath>
+#include <utility>
+
+#include "mesh/compact.h"
+#include "mesh/diagnostics.h"
+#include "mesh/unite_faces.h"
+#include "repair/topology/clean_faces.h"
+#include "repair/topology/mend.h"
+#include "repair/topology/part_edges.h"
+
+namespace raymap {
+
+std::optional<UnitedParts> uniteParts(const Model& given, bool mayTurn) {
+  constexpr int kMostRounds = 4;        // New vertices are rounded, so that faces may cross again.
+  constexpr double kSameVolume = 1e-3;  // Share of the volume that rounding and cleaning may change.
+  UnitedParts united{.mesh = weldedCopy(given)};
+  if (mayTurn) united.inverted = findInvertedParts(given);
+  turnFaces(united.mesh, united.inverted.faces);
+  double volume = 0.0;
+  for (int round = 0; round < kMostRounds; ++round) {
+    const Model mesh(united.mesh);
+    const Diagnostics found = diagnose(mesh, {.brief = true});
+    if (!found.balanced) return {};
+    std::optional<UnitedFaces> cut = uniteFaces(mesh);
+    if (!cut || cut->mesh.triangles.empty()) return {};
+    if (round == 0) {
+      if (cut->isAnyInverted) return {};
+      united.cutFaces += cut->cutFaces;
+      volume = cut->volume;
+    }
+    united.mesh = cleanFaces(Model(cut->mesh), true).mesh;
+    united.cutFaces += partEdges(united.mesh);
+    if (!isAllRight(Model(united.mesh))) continue;
+    const double made = diagnose(united.mesh, {.brief = true}).signedVolume;
+    if (std::abs(made - volume) > kSameVolume * volume) return {};
+    return united;
+  }
+  return {};
+}
+
+}  // namespace raymap
