@@ -67,7 +67,7 @@ void print(const SimplifyReport& simplified) {
 
 /// Prints what was mended before anything else, and how the other faces are.
 void printMended(const RepairReport& report, const std::optional<double>& base) {
-  const size_t turned = report.kept ? report.stats.turnedFaces.size() : 0;
+  const size_t turned = report.keepsFaces() ? report.stats.turnedFaces.size() : 0;
   std::string words;
   if (turned > 0) words += "reversed " + counted(turned, "face");
   if (report.cleanedFaces > 0)
@@ -84,10 +84,12 @@ void printMended(const RepairReport& report, const std::optional<double>& base) 
     std::snprintf(text.data(), text.size(), "joined the rim to a base at %g with ", *base);
     words += (words.empty() ? "" : ", ") + (text.data() + counted(report.closingFaces, "face"));
   }
+  if (words.empty() && report.depth == RepairDepth::Mended) words = "removed what lies in other parts";
   if (!words.empty())
-    std::printf(
-        "%s%s\n", words.c_str(),
-        report.kept ? ", all other faces kept as they are; --remesh makes all faces from the field" : "");
+    std::printf("%s%s\n", words.c_str(),
+                report.keepsFaces()
+                    ? ", all other faces kept as they are; --remesh makes all faces from the field"
+                    : "");
 }
 
 void printKept(const RepairReport& report) {
@@ -136,12 +138,9 @@ Json describe(const RepairArguments& arguments, const Grid& grid, const RepairRe
 }
 
 const char* wordFor(const RepairReport& report) {
-  if (!report.kept) return "remade";
+  if (!report.keepsFaces()) return "remade";
   if (report.simplified.tolerance > 0.0) return "simplified";
-  if (report.partsOverlap) return "mended";
-  return report.cleanedFaces + report.unitedFaces + report.closingFaces + report.stats.turnedFaces.size() > 0
-             ? "mended"
-             : "kept";
+  return report.depth == RepairDepth::Mended ? "mended" : "kept";
 }
 
 void print(const RepairArguments& arguments, const RepairGrid& grid, const RepairReport& report) {
@@ -151,10 +150,11 @@ void print(const RepairArguments& arguments, const RepairGrid& grid, const Repai
   if (const char* const arrangement = describe(report.arrangementBefore); *arrangement != '\0')
     std::printf("  %s\n", arrangement);
   printMended(report, arguments.repair.base);
-  if (report.kept)
+  if (report.keepsFaces())
     printKept(report);
   else
-    std::printf("grid: %d x %d x %d, spacing %g%s\n", grid.dims.x, grid.dims.y, grid.dims.z, grid.spacing,
+    std::printf("all faces from a field: %s\ngrid: %d x %d x %d, spacing %g%s\n",
+                describe(report.fieldReason), grid.dims.x, grid.dims.y, grid.dims.z, grid.spacing,
                 reasonFor(grid).c_str());
   std::printf("result: %s, %s, %s, %s\n", counted(report.after.triangles, "triangle").c_str(),
               counted(report.solids, "solid").c_str(), countedCavities(report.cavities).c_str(),
@@ -167,7 +167,7 @@ void print(const RepairArguments& arguments, const RepairGrid& grid, const Repai
   std::printf("  %-22s %g before, %g after\n", "area", before.area, after.area);
   std::printf("  %-22s %s before, %s after\n", "crossing faces", pairsText(report.crossingBefore).c_str(),
               pairsText(report.crossingAfter).c_str());
-  if (report.kept) return print(report.simplified);
+  if (report.keepsFaces()) return print(report.simplified);
   print("result from mesh", report.resultFromMesh, grid.spacing);
   print("mesh from result", report.meshFromResult, grid.spacing);
   if (report.lostShare > 0.0) print("  of it what is kept", report.keptFromResult, grid.spacing);

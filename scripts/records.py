@@ -153,7 +153,7 @@ def docstring(text, indent):
 
 def python_types(all_records, enum_names):
     text = HEAD
-    for enum in ("Arrangement", "DeviceTestState", "DeviceType", "DistanceMode", "FieldArray", "FieldForm", "MeshKind", "Orientation", "Part", "Remedy",
+    for enum in ("Arrangement", "DeviceTestState", "DeviceType", "DistanceMode", "FieldArray", "FieldForm", "FieldReason", "MeshKind", "Orientation", "Part", "Remedy", "RepairDepth",
                  "Sampling", "SignMode", "WarningCode"):
         values = "".join(f'    "{name}",\n' for name in enum_names[enum])
         text += f"\n{enum} = Literal[\n{values}]\n"

@@ -29,6 +29,8 @@ RAYMAP_API std::string_view name(ErrorCode value);
 RAYMAP_API std::string_view name(MeshKind value);
 RAYMAP_API std::string_view name(Arrangement value);
 RAYMAP_API std::string_view name(Remedy value);
+RAYMAP_API std::string_view name(RepairDepth value);
+RAYMAP_API std::string_view name(FieldReason value);
 RAYMAP_API std::string_view name(Part value);
 RAYMAP_API std::string_view name(WarningCode value);
 
@@ -58,6 +60,8 @@ RAYMAP_DECLARE_NAMES(ErrorCode)
 RAYMAP_DECLARE_NAMES(MeshKind)
 RAYMAP_DECLARE_NAMES(Arrangement)
 RAYMAP_DECLARE_NAMES(Remedy)
+RAYMAP_DECLARE_NAMES(RepairDepth)
+RAYMAP_DECLARE_NAMES(FieldReason)
 RAYMAP_DECLARE_NAMES(Part)
 RAYMAP_DECLARE_NAMES(WarningCode)
 #undef RAYMAP_DECLARE_NAMES

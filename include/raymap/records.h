@@ -197,7 +197,8 @@ void forEachMember(const RepairReport& report, auto&& use) {
   use("filled", report.filled);
   use("buried", report.buried);
   use("parts_overlap", report.partsOverlap);
-  use("kept", report.kept);
+  use("depth", report.depth);
+  use("field_reason", report.fieldReason);
   use("cleaned_faces", report.cleanedFaces);
   use("united_faces", report.unitedFaces);
   use("closed_holes", report.closedHoles);

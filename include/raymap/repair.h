@@ -148,10 +148,10 @@ struct RepairReport {
   Removed filled = {};        ///< Sealed cavities that were filled.
   Removed buried = {};        ///< Parts in cavities that were filled.
   bool partsOverlap = false;  ///< Whether parts overlap, touch or nest wrongly, and all else is right.
-  /// Whether the mesh's own faces were kept or simplified: nothing was wrong with it, or only holes,
-  /// turned, degenerate and repeated faces, or faces that could be cut where they meet others.
-  /// `stats.turnedFaces` has the turned ones.
-  bool kept = false;
+  /// How much was changed. Faces that stay may also be simplified. `stats.turnedFaces` has those that were
+  /// reversed.
+  RepairDepth depth = RepairDepth::Field;
+  FieldReason fieldReason = FieldReason::None;  ///< Why the faces are those of a field.
   /// Number of degenerate and repeated faces that were removed, or replaced together with a neighbour, so
   /// that the other faces could be kept.
   size_t cleanedFaces = 0;
@@ -164,6 +164,9 @@ struct RepairReport {
   double thickenedShare = 0.0;  ///< Share of the mesh's area that was thinner, and is on plates.
   std::vector<Warning> warnings = {};  ///< Warnings, in the order in which they were found.
   SimplifyReport simplified = {};      ///< All 0 if faces were kept as they were.
+
+  /// Returns whether the mesh's own faces were kept or simplified.
+  bool keepsFaces() const { return depth != RepairDepth::Field; }
 };
 
 /// A repaired mesh and what was done.

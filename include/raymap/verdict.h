@@ -34,6 +34,22 @@ enum class Remedy : uint8_t {
   Thicken  ///< `generate` with a thickness, then `isosurface`.
 };
 
+/// How deeply a repair changed a mesh.
+enum class RepairDepth : uint8_t {
+  AsGiven,  ///< All faces are as they were: nothing was wrong. Small parts may be left out.
+  Mended,   ///< Only wrong faces were changed, or cut where they cross others. The others are as they were.
+  Field     ///< All faces are new, the isosurface of a field.
+};
+
+/// Why a repair needed a field.
+enum class FieldReason : uint8_t {
+  None,       ///< It did not.
+  Asked,      ///< Options ask for new faces or for another shape.
+  Open,       ///< Faces do not bound a solid, and not by holes and turned faces alone.
+  InsideOut,  ///< An outermost part is inside out.
+  Crossing    ///< Parts that cross, overlap or touch could not be united exactly.
+};
+
 /// Kind of thing that a mesh is, and what makes a clean solid of it.
 struct Verdict {
   MeshKind kind = MeshKind::NoSurface;             ///< Kind of the mesh.

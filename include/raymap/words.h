@@ -25,6 +25,9 @@ RAYMAP_API std::string describeDefects(const Diagnostics& found,
 /// Returns what is wrong with how the parts of a mesh lie; nothing if that is right or not known.
 RAYMAP_API const char* describe(Arrangement arrangement);
 
+/// Returns why a repair needed a field; nothing if it did not.
+RAYMAP_API const char* describe(FieldReason reason);
+
 /// Returns what a mesh is, as the end of "This is …", and in a second sentence what else is wrong with it.
 /// Takes what `judge` took and returned.
 RAYMAP_API std::string describe(const Verdict& verdict, const Diagnostics& found,

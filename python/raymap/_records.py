@@ -56,6 +56,14 @@ FieldForm = Literal[
     "slabs",
 ]
 
+FieldReason = Literal[
+    "none",
+    "asked",
+    "open",
+    "inside_out",
+    "crossing",
+]
+
 MeshKind = Literal[
     "no_surface",
     "double_sided",
@@ -92,6 +100,12 @@ Remedy = Literal[
     "none",
     "repair",
     "thicken",
+]
+
+RepairDepth = Literal[
+    "as_given",
+    "mended",
+    "field",
 ]
 
 Sampling = Literal[
@@ -466,10 +480,11 @@ class RepairReport(TypedDict):
     """Parts in cavities that were filled."""
     parts_overlap: bool
     """Whether parts overlap, touch or nest wrongly, and all else is right."""
-    kept: bool
-    """Whether the mesh's own faces were kept or simplified: nothing was wrong with it, or only holes, turned,
-    degenerate and repeated faces, or faces that could be cut where they meet others. ``stats.turnedFaces`` has the
-    turned ones."""
+    depth: RepairDepth
+    """How much was changed. Faces that stay may also be simplified. ``stats.turnedFaces`` has those that were
+    reversed."""
+    field_reason: FieldReason
+    """Why the faces are those of a field."""
     cleaned_faces: int
     """Number of degenerate and repeated faces that were removed, or replaced together with a neighbour, so that the
     other faces could be kept."""

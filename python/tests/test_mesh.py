@@ -290,14 +290,14 @@ def test_repair_is_that_of_the_command_line(ball, run_raymap):
 
 def test_repair_keeps_what_is_right(ball):
     kept = raymap.repair(ball)
-    assert kept.report["kept"] and kept.report["solids"] == 1 and kept.report["cavities"] == 0
+    assert kept.report["depth"] == "as_given" and kept.report["solids"] == 1 and kept.report["cavities"] == 0
     np.testing.assert_array_equal(kept.mesh.faces, ball.faces)
     crumb = 0.09 * ball.vertices + (2, 0, 0)
     both = raymap.Mesh(np.vstack([ball.vertices, crumb]), np.vstack([ball.faces, ball.faces + len(ball.vertices)]))
     with pytest.warns(UserWarning, match="kept 1 part"):
         assert raymap.repair(both).report["solids"] == 2
     dropped = raymap.repair(both, drop_smaller=0.01)
-    assert dropped.report["kept"] and len(dropped.mesh.faces) == len(ball.faces)
+    assert dropped.report["depth"] == "as_given" and len(dropped.mesh.faces) == len(ball.faces)
     with pytest.raises(raymap.UsageError):
         raymap.repair(both, drop_smaller=-1)
 
@@ -307,7 +307,7 @@ def test_repair_joins_a_sheet_to_a_base():
     with pytest.warns(raymap.RaymapWarning, match=r"is a sheet.*\(base, or thickness=0.06 of raymap.generate\)"):
         raymap.repair(sheet, resolution=16, device="cpu")
     report = raymap.repair(sheet, base=-1, device="cpu").report
-    assert report["kept"] and report["after"]["watertight"] and abs(report["after"]["bounds"][0][2] + 1) < 1e-6
+    assert report["depth"] == "mended" and report["after"]["watertight"] and abs(report["after"]["bounds"][0][2] + 1) < 1e-6
     with pytest.raises(raymap.InputError):
         raymap.repair(sheet, base=1.5, device="cpu")
 

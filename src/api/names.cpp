@@ -148,6 +148,21 @@ struct Names<Remedy> {
 };
 
 template <>
+struct Names<RepairDepth> {
+  static constexpr std::string_view kKind = "depth of a repair";
+  static constexpr std::array kValues{RepairDepth::AsGiven, RepairDepth::Mended, RepairDepth::Field};
+  static constexpr std::array<std::string_view, 3> kNames{"as_given", "mended", "field"};
+};
+
+template <>
+struct Names<FieldReason> {
+  static constexpr std::string_view kKind = "reason of a field";
+  static constexpr std::array kValues{FieldReason::None, FieldReason::Asked, FieldReason::Open,
+                                      FieldReason::InsideOut, FieldReason::Crossing};
+  static constexpr std::array<std::string_view, 5> kNames{"none", "asked", "open", "inside_out", "crossing"};
+};
+
+template <>
 struct Names<WarningCode> {
   static constexpr std::string_view kKind = "warning code";
   static constexpr std::array kValues{WarningCode::FileContent,
@@ -230,6 +245,8 @@ RAYMAP_DEFINE_NAMES(ErrorCode)
 RAYMAP_DEFINE_NAMES(MeshKind)
 RAYMAP_DEFINE_NAMES(Arrangement)
 RAYMAP_DEFINE_NAMES(Remedy)
+RAYMAP_DEFINE_NAMES(RepairDepth)
+RAYMAP_DEFINE_NAMES(FieldReason)
 RAYMAP_DEFINE_NAMES(Part)
 RAYMAP_DEFINE_NAMES(WarningCode)
 

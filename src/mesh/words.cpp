@@ -175,6 +175,21 @@ const char* describe(Arrangement arrangement) {
   }
 }
 
+const char* describe(FieldReason reason) {
+  switch (reason) {
+    case FieldReason::Asked:
+      return "the options ask for new faces";
+    case FieldReason::Open:
+      return "its faces do not bound a solid, and not by holes and turned faces alone";
+    case FieldReason::InsideOut:
+      return "an outermost part of it is inside out";
+    case FieldReason::Crossing:
+      return "its parts cross or touch and could not be united exactly";
+    default:
+      return "";
+  }
+}
+
 std::string describe(const Verdict& verdict, const Diagnostics& found,
                      const std::optional<SelfIntersections>& crossings) {
   std::string words = nameKind(verdict.kind, found, crossings) + ".";

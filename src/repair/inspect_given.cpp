@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <iterator>
-#include <optional>
 #include <utility>
 #include <vector>
 
@@ -35,10 +34,10 @@ bool asksForChange(const RepairOptions& repair) {
 
 /// Keeps the faces of a mesh with nothing wrong. Drops small parts only if `RepairOptions::dropSmaller` is
 /// set; warns of them else.
-void keep(const Model& mesh, RepairRun& run) {
+void keep(const Model& mesh, RepairDepth depth, RepairRun& run) {
   const RepairOptions& options = run.options;
   RepairReport& report = run.report;
-  report.kept = true;
+  report.depth = depth;
   run.result = weldedCopy(mesh);
   Pieces found = findPieces(mesh);
   nestPieces(mesh, 1, found);
@@ -70,13 +69,13 @@ void keepCleaned(const Model& mesh, RepairRun& run) {
   if (!crossesNowhere(crossing)) return;
   if (looksRight(found)) {
     if (!isRight(arrangeParts(clean, found, crossing))) return;
-    keep(clean, run);
+    keep(clean, RepairDepth::Mended, run);
   } else {
     Mended& mended = run.mended;
     mended = mend(clean, found, crossing, run.fieldOptions.orientation, run.options, true);
     if (!mended.isRight) return void(mended = {});
     for (uint32_t& face : mended.turned) face = cleaned.given[face];
-    keep(Model(mended.mesh), run);
+    keep(Model(mended.mesh), RepairDepth::Mended, run);
   }
   run.report.cleanedFaces = cleaned.count;
 }
@@ -84,16 +83,16 @@ void keepCleaned(const Model& mesh, RepairRun& run) {
 /// Keeps the faces of a mesh whose parts cross, overlap or touch: those that bound their union.
 void keepUnited(RepairRun& run) {
   const bool mayTurn = run.fieldOptions.orientation != Orientation::Keep;
-  std::optional<UnitedParts> united = uniteParts(Model(MeshView(run.mesh())), mayTurn);
-  if (!united) return;
+  UnitedParts united = uniteParts(Model(MeshView(run.mesh())), mayTurn);
+  run.report.fieldReason = united.failure;
+  if (united.failure != FieldReason::None) return;
   std::vector<uint32_t> turned;
-  std::ranges::set_symmetric_difference(run.mended.turned, united->inverted.faces,
-                                        std::back_inserter(turned));
+  std::ranges::set_symmetric_difference(run.mended.turned, united.inverted.faces, std::back_inserter(turned));
   std::erase_if(turned, [&](uint32_t face) { return face >= run.given.triangles.size(); });
   run.mended.turned = std::move(turned);
-  keep(Model(united->mesh), run);
-  run.report.unitedFaces = united->cutFaces;
-  run.report.stats.invertedParts = std::move(united->inverted.firsts);
+  keep(Model(united.mesh), RepairDepth::Mended, run);
+  run.report.unitedFaces = united.cutFaces;
+  run.report.stats.invertedParts = std::move(united.inverted.firsts);
   warnOfInvertedParts(run.report.stats, run.machine.warn);
 }
 
@@ -117,14 +116,23 @@ void inspectGiven(RepairRun& run) {
   const bool isRightButParts = mayKeep && looksRight(found) && crossesNowhere(crossing);
   report.partsOverlap = isRightButParts && !isRight(arrangement);
   if (isRightButParts && !report.partsOverlap && !options.base)
-    keep(mesh, run);
+    keep(mesh, RepairDepth::AsGiven, run);
   else if (mayKeep && !options.base && found.degenerateFaces + found.duplicateFaces > 0)
     keepCleaned(mesh, run);
-  if (!report.kept && (!found.watertight || !found.consistentlyOriented || options.base)) {
+  if (!report.keepsFaces() && (!found.watertight || !found.consistentlyOriented || options.base)) {
     mended = mend(mesh, found, crossing, run.fieldOptions.orientation, options, mayKeep);
-    if (mended.isRight) keep(Model(mended.mesh), run);
+    if (mended.isRight) keep(Model(mended.mesh), RepairDepth::Mended, run);
   }
-  if (!report.kept && mayKeep && !options.base && crossing.complete) keepUnited(run);
+  if (!report.keepsFaces()) {
+    if (!mayKeep)
+      report.fieldReason = FieldReason::Asked;
+    else if (!crossing.complete)
+      report.fieldReason = FieldReason::Crossing;
+    else if (options.base)
+      report.fieldReason = FieldReason::Open;
+    else
+      keepUnited(run);
+  }
   report.closedHoles = mended.filled.holes;
   report.closingFaces = mended.filled.faces;
   report.stats.turnedFaces = mended.turned;

@@ -17,7 +17,7 @@ inline void runRepair(RepairRun& run) {
   // Finds what is wrong with the mesh, and mends what is certain: turns faces back, closes holes, joins a
   // base. If nothing is wrong then, the mesh keeps its faces.
   run.stage("inspect", [&] { inspectGiven(run); });
-  if (report.kept) return;
+  if (report.keepsFaces()) return;
 
   // The solid: the mesh's field, moved by the offset. `generate` names the stages.
   run.makeSolid();

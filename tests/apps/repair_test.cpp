@@ -65,11 +65,12 @@ TEST_F(CliRepair, KeepsAMeshThatIsRight) {
             std::string::npos)
       << text;
   EXPECT_EQ(readBytes(path("kept.stl")), readBytes(path("ball.stl")));
-  EXPECT_EQ(json("kept.json")["kept"], true);
+  EXPECT_EQ(json("kept.json")["depth"], "as_given");
   EXPECT_EQ(json("kept.json")["solids"], 1);
   EXPECT_EQ(json("kept.json")["stats"]["stages"].at(0).at("name"), "inspect");
   succeed("repair ball.stl -o made.stl --remesh --resolution 32 --stats made.json");
-  EXPECT_EQ(json("made.json")["kept"], false);
+  EXPECT_EQ(json("made.json")["depth"], "field");
+  EXPECT_EQ(json("made.json")["field_reason"], "asked");
   EXPECT_NE(json("made.json")["after"]["triangles"], 5120);
   writeMesh(path("two.ply"), shapes::joined(ball, shapes::sphere(0.5, 3)));
   const std::string overlap = succeed("repair two.ply -o one.ply --resolution 32 --stats one.json").out;
@@ -86,7 +87,7 @@ TEST_F(CliRepair, LeavesHolesAndFacesAsTheyAreOnRequest) {
   EXPECT_EQ(run("repair torn.ply -o turned.stl --resolution 48 --stats turned.json").code, 0);
   const Json turned = json("turned.json");
   EXPECT_GT(turned["stats"]["turned_faces"], mesh.triangles.size() / 6);
-  EXPECT_TRUE(turned["kept"]);
+  EXPECT_EQ(turned["depth"], "mended");
   run("repair torn.ply -o kept.stl --resolution 48 --orientation keep --no-close-holes --stats kept.json");
   const Json kept = json("kept.json");
   EXPECT_EQ(kept["stats"]["turned_faces"], 0);
@@ -174,7 +175,7 @@ TEST_F(CliRepair, SaysWhatToMakeOfASheet) {
   EXPECT_EQ(block.err, "");
   EXPECT_NE(block.out.find("\njoined the rim to a base at -3 with "), std::string::npos) << block.out;
   EXPECT_EQ(json("block.json")["options"]["base"], -3.0);
-  EXPECT_EQ(json("block.json")["kept"], true);
+  EXPECT_EQ(json("block.json")["depth"], "mended");
   EXPECT_EQ(bounds(readMesh(path("block.stl"))).min.z, -3.0);
   succeed("check block.stl");
   expectFailure("repair terrain.stl -o block.stl --base 1", ErrorCode::Input, "use one of at most 0");

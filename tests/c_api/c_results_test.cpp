@@ -200,7 +200,7 @@ TEST_F(CResults, RepairJoinsASheetToABase) {
   ASSERT_NE(repaired, nullptr) << raymap_last_error_message();
   const Handle<char, raymap_text_free> text(report);
   const Json json = Json::parse(text.get());
-  EXPECT_TRUE(json["kept"]);
+  EXPECT_EQ(json["depth"], "mended");
   EXPECT_NEAR(json["after"]["signed_volume"], 0.5 * (2.0 + 2.0 + 3.0) / 3.0, 1e-6);
 }
 

@@ -150,7 +150,7 @@ TEST(CheckOptions, ARepairClosesHolesByDefault) {
   EXPECT_EQ(closed.mesh.triangles.size(), kBall.triangles.size());
   const Repaired made = repair(open, fitRepairGrid(open, {.resolution = 12}), {}, {.closeHoles = false});
   EXPECT_EQ(made.report.closedHoles, 0u);
-  EXPECT_FALSE(made.report.kept);
+  EXPECT_FALSE(made.report.keepsFaces());
 }
 
 }  // namespace

@@ -40,7 +40,7 @@ TEST(RepairOfRealMeshes, KeepsOnlyFacesThatBoundASolid) {
     } catch (const Error&) {
       continue;  // So few samples may miss a mesh.
     }
-    if (!made.report.kept) continue;
+    if (!made.report.keepsFaces()) continue;
     ++kept;
     closed += made.report.closedHoles > 0 ? 1 : 0;
     const size_t most = mesh.triangles.size() + made.report.closingFaces;

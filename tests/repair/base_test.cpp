@@ -65,7 +65,7 @@ double volumeAbove(const Mesh& mesh, double base) {
 
 void expectStandsOnBase(const Mesh& mesh, double base, double volume) {
   const Repaired made = based(mesh, base);
-  EXPECT_TRUE(made.report.kept);
+  EXPECT_TRUE(made.report.keepsFaces());
   EXPECT_TRUE(made.report.after.watertight && made.report.after.consistentlyOriented);
   EXPECT_EQ(made.report.after.degenerateFaces, 0u);
   EXPECT_EQ(made.report.crossingAfter.pairs, 0u);
@@ -99,12 +99,12 @@ TEST(Base, MayLieWhereTheRimDoes) {
 TEST(Base, TurnsTheSheetUp) {
   const Mesh mesh = terrain(6, wavy);
   const Repaired made = based(shapes::inverted(mesh), -1.0);
-  EXPECT_TRUE(made.report.kept);
+  EXPECT_TRUE(made.report.keepsFaces());
   EXPECT_NEAR(made.report.after.signedVolume, volumeAbove(mesh, -1.0), 1e-4);
   Mesh turned = mesh;
   std::swap(turned.triangles[7].x, turned.triangles[7].y);
   const Repaired back = based(turned, -1.0);
-  EXPECT_TRUE(back.report.kept);
+  EXPECT_TRUE(back.report.keepsFaces());
   EXPECT_EQ(back.report.stats.turnedFaces, std::vector<uint32_t>{7});
   EXPECT_NEAR(back.report.after.signedVolume, volumeAbove(mesh, -1.0), 1e-4);
 }
@@ -116,7 +116,7 @@ TEST(Base, LiesInTheDirectionThatIsAskedFor) {
   std::swap(mesh.origin.y, mesh.origin.z);
   mesh.origin.z = -mesh.origin.z;
   const Repaired made = based(mesh, -1.0, {.down = {0, -2, 0}});
-  EXPECT_TRUE(made.report.kept);
+  EXPECT_TRUE(made.report.keepsFaces());
   EXPECT_EQ(made.report.after.bounds.min.y, -1.0);
   EXPECT_NEAR(made.report.after.signedVolume, volume, 1e-4);
 }
@@ -124,7 +124,7 @@ TEST(Base, LiesInTheDirectionThatIsAskedFor) {
 TEST(Base, BecomesPartOfWhatIsMadeAnew) {
   const Mesh mesh = terrain(8, [](int, int) { return 1.0; });
   const Repaired made = based(mesh, -1.0, {.remesh = true});
-  EXPECT_FALSE(made.report.kept);
+  EXPECT_FALSE(made.report.keepsFaces());
   EXPECT_NEAR(made.report.after.signedVolume, 128.0, 2.0);
   EXPECT_NEAR(made.report.after.bounds.min.z, -1.0, 0.1);
 }

@@ -137,12 +137,12 @@ TEST(CleanFaces, LetsARepairKeepTheOtherFaces) {
   mesh.triangles.insert(mesh.triangles.begin() + 2, glm::uvec3(0, 0, 11));
   mesh.triangles.push_back(ball.triangles[9]);
   const Repaired made = repaired(mesh);
-  EXPECT_TRUE(made.report.kept);
+  EXPECT_TRUE(made.report.keepsFaces());
   EXPECT_EQ(made.report.cleanedFaces, 2u);
   EXPECT_EQ(made.mesh.triangles, ball.triangles);
   EXPECT_EQ(made.mesh.vertices, ball.vertices);
   EXPECT_EQ(made.report.before.degenerateFaces + made.report.before.duplicateFaces, 2u);
-  EXPECT_FALSE(repaired(mesh, {.remesh = true}).report.kept);
+  EXPECT_FALSE(repaired(mesh, {.remesh = true}).report.keepsFaces());
   EXPECT_EQ(repaired(ball).report.cleanedFaces, 0u);
 }
 
@@ -153,7 +153,7 @@ TEST(CleanFaces, LetsARepairCloseHolesAndTurnFacesToo) {
   mesh.triangles.insert(mesh.triangles.begin(), glm::uvec3(0, 0, 11));
   std::swap(mesh.triangles[100].x, mesh.triangles[100].y);
   const Repaired made = repaired(mesh);
-  EXPECT_TRUE(made.report.kept);
+  EXPECT_TRUE(made.report.keepsFaces());
   EXPECT_EQ(made.report.cleanedFaces, 1u);
   EXPECT_EQ(made.report.closedHoles, 1u);
   EXPECT_EQ(made.report.stats.turnedFaces, std::vector<uint32_t>{100});
@@ -165,7 +165,7 @@ TEST(CleanFaces, LeavesAMeshThatCrossesToTheField) {
   Mesh mesh = shapes::joined(shapes::sphere(1.0, 2), shapes::sphere(1.0, 2, {1.0, 0.1, 0.2}));
   mesh.triangles.push_back(mesh.triangles[0]);
   const Repaired made = repaired(mesh);
-  EXPECT_FALSE(made.report.kept);
+  EXPECT_FALSE(made.report.keepsFaces());
   EXPECT_EQ(made.report.cleanedFaces, 0u);
 }
 

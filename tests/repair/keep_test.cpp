@@ -37,7 +37,7 @@ Mesh unwelded(const Mesh& mesh) {
 TEST(Keep, LeavesARightMeshAsItIs) {
   const Mesh mesh = ball();
   const Repaired kept = repaired(mesh);
-  EXPECT_TRUE(kept.report.kept);
+  EXPECT_TRUE(kept.report.keepsFaces());
   EXPECT_EQ(kept.mesh.vertices, mesh.vertices);
   EXPECT_EQ(kept.mesh.triangles, mesh.triangles);
   EXPECT_EQ(kept.mesh.origin, mesh.origin);
@@ -48,7 +48,7 @@ TEST(Keep, LeavesARightMeshAsItIs) {
   ASSERT_EQ(kept.report.stats.stages.size(), 1u);  // No field is made.
   EXPECT_EQ(kept.report.stats.stages[0].name, "inspect");
   const Repaired unmeasured = repaired(mesh, {.measure = false});
-  EXPECT_TRUE(unmeasured.report.kept);
+  EXPECT_TRUE(unmeasured.report.keepsFaces());
   EXPECT_EQ(unmeasured.mesh.triangles, mesh.triangles);
 }
 
@@ -56,7 +56,7 @@ TEST(Keep, JoinsVerticesAtEqualPositions) {
   const Mesh mesh = ball();
   const Mesh split = unwelded(mesh);
   const Repaired kept = repaired(split);
-  EXPECT_TRUE(kept.report.kept);
+  EXPECT_TRUE(kept.report.keepsFaces());
   EXPECT_EQ(kept.mesh.vertices.size(), mesh.vertices.size());
   ASSERT_EQ(kept.mesh.triangles.size(), split.triangles.size());
   for (size_t f = 0; f < split.triangles.size(); ++f)
@@ -70,7 +70,7 @@ TEST(Keep, MakesAMeshAnewOnRequestOrForAChange) {
        {RepairOptions{.remesh = true}, RepairOptions{.offset = 0.1}, RepairOptions{.offset = -0.1},
         RepairOptions{.shell = 0.3}, RepairOptions{.remesh = true, .measure = false}}) {
     const Repaired made = repaired(mesh, options);
-    EXPECT_FALSE(made.report.kept);
+    EXPECT_FALSE(made.report.keepsFaces());
     EXPECT_NE(made.mesh.triangles.size(), mesh.triangles.size());
     EXPECT_EQ(made.report.solids, 1u);
     EXPECT_EQ(made.report.cavities, options.shell > 0.0 ? 1u : 0u);
@@ -83,8 +83,8 @@ TEST(Keep, RepairsWhatIsWrong) {
   const Mesh crossing = joined(ball(), shapes::sphere(1.0, 3, {1, 0, 0}));
   for (const Mesh& mesh : {open, shapes::inverted(ball()), crossing}) {
     const Repaired made = repaired(mesh, {.closeHoles = false});
-    EXPECT_EQ(made.report.kept, made.report.unitedFaces > 0);
-    EXPECT_EQ(made.report.kept, made.report.before.signedVolume > 5.0);  // The crossing balls.
+    EXPECT_EQ(made.report.keepsFaces(), made.report.unitedFaces > 0);
+    EXPECT_EQ(made.report.keepsFaces(), made.report.before.signedVolume > 5.0);  // The crossing balls.
     EXPECT_FALSE(made.report.partsOverlap);
     EXPECT_TRUE(made.report.after.watertight);
     EXPECT_GT(made.report.after.signedVolume, 3.9);
@@ -100,7 +100,7 @@ TEST(Keep, FillsHolesIfNothingIsWrongThen) {
   Mesh open = ball();
   open.triangles.erase(open.triangles.begin() + 100, open.triangles.begin() + 103);
   const Repaired made = closed(unwelded(open));
-  EXPECT_TRUE(made.report.kept);
+  EXPECT_TRUE(made.report.keepsFaces());
   EXPECT_EQ(made.report.closedHoles, 3u);
   EXPECT_EQ(made.report.closingFaces, 3u);
   ASSERT_EQ(made.mesh.triangles.size(), ball().triangles.size());
@@ -110,18 +110,18 @@ TEST(Keep, FillsHolesIfNothingIsWrongThen) {
   EXPECT_TRUE(made.report.after.watertight);
   EXPECT_EQ(made.report.crossingAfter.pairs, 0u);
   EXPECT_EQ(made.report.solids, 1u);
-  EXPECT_FALSE(closed(open, {.remesh = true}).report.kept);
-  EXPECT_FALSE(closed(open, {}, false).report.kept);
+  EXPECT_FALSE(closed(open, {.remesh = true}).report.keepsFaces());
+  EXPECT_FALSE(closed(open, {}, false).report.keepsFaces());
   // Something crosses what fills the hole, or lies behind it.
   const Mesh bowl = keepTriangles(ball(), [&](const glm::uvec3& t) { return ball().position(t.x).z < 0.5; });
-  EXPECT_TRUE(closed(bowl).report.kept);
+  EXPECT_TRUE(closed(bowl).report.keepsFaces());
   const Mesh crossed = joined(bowl, shapes::sphere(0.25, 2, {0, 0, 0.5}));
   EXPECT_EQ(findSelfIntersections(crossed).pairs, 0u);
   const Mesh behind = joined(bowl, shapes::sphere(0.2, 2));
-  EXPECT_FALSE(closed(shapes::inverted(open)).report.kept);
+  EXPECT_FALSE(closed(shapes::inverted(open)).report.keepsFaces());
   for (const Mesh& mesh : {crossed, behind}) {
     const Repaired other = closed(mesh);
-    EXPECT_FALSE(other.report.kept);
+    EXPECT_FALSE(other.report.keepsFaces());
     EXPECT_FALSE(other.report.partsOverlap);
     EXPECT_EQ(other.report.closedHoles, 0u);
   }
@@ -130,17 +130,18 @@ TEST(Keep, FillsHolesIfNothingIsWrongThen) {
 TEST(Keep, RepairsPartsThatOverlapOrFaceTheWrongWay) {
   const Mesh big = box(glm::dvec3(0), glm::dvec3(3)), small = box(glm::dvec3(1), glm::dvec3(2));
   const Mesh onTop = box({0, 0, 1.5}, {3, 3, 5});
-  EXPECT_TRUE(repaired(joined(big, shapes::inverted(small))).report.kept);
+  EXPECT_TRUE(repaired(joined(big, shapes::inverted(small))).report.keepsFaces());
   for (const Mesh& mesh : {joined(big, small), joined(big, onTop)}) {
     const Repaired made = repaired(mesh);
-    EXPECT_TRUE(made.report.kept);
+    EXPECT_TRUE(made.report.keepsFaces());
     EXPECT_TRUE(made.report.partsOverlap);
     EXPECT_NEAR(made.report.after.signedVolume, made.report.after.bounds.max.z * 9.0, 1e-4);
     EXPECT_EQ(made.report.solids, 1u);
   }
   const Mesh apart = joined(big, box(glm::dvec3(4), glm::dvec3(5)));
-  EXPECT_TRUE(repaired(apart).report.kept);
-  EXPECT_FALSE(repaired(joined(big, shapes::inverted(box(glm::dvec3(4), glm::dvec3(5))))).report.kept);
+  EXPECT_TRUE(repaired(apart).report.keepsFaces());
+  EXPECT_FALSE(
+      repaired(joined(big, shapes::inverted(box(glm::dvec3(4), glm::dvec3(5))))).report.keepsFaces());
 }
 
 TEST(Keep, DropsFromARightMeshOnlyWhatIsAskedFor) {
@@ -157,7 +158,7 @@ TEST(Keep, DropsFromARightMeshOnlyWhatIsAskedFor) {
   EXPECT_EQ(all.report.cavities, 1u);
   EXPECT_EQ(warnings.size(), 1u);
   const Repaired less = repaired(mesh, {.dropSmaller = 0.1}, warn);
-  EXPECT_TRUE(less.report.kept);
+  EXPECT_TRUE(less.report.keepsFaces());
   EXPECT_EQ(less.mesh.triangles, hollow.triangles);
   EXPECT_EQ(less.report.dropped.count, 1u);
   EXPECT_NEAR(less.report.dropped.volume, 0.008, 1e-6);

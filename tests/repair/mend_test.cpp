@@ -51,7 +51,7 @@ TEST(Mend, TurnsACertainFaceBackAndKeepsTheRest) {
     Mesh mesh = plate;
     turnFace(mesh, face);
     const Repaired made = mendedBy(mesh);
-    EXPECT_TRUE(made.report.kept);
+    EXPECT_TRUE(made.report.keepsFaces());
     EXPECT_EQ(made.report.stats.turnedFaces, std::vector<uint32_t>{face});
     EXPECT_EQ(made.mesh.vertices, plate.vertices);
     EXPECT_EQ(made.report.cavities, 6u);
@@ -63,8 +63,8 @@ TEST(Mend, TurnsACertainFaceBackAndKeepsTheRest) {
   }
   Mesh mesh = plate;
   turnFace(mesh, 0);
-  EXPECT_FALSE(mendedBy(mesh, {}, {.orientation = Orientation::Keep}).report.kept);
-  EXPECT_FALSE(mendedBy(mesh, {.remesh = true}).report.kept);
+  EXPECT_FALSE(mendedBy(mesh, {}, {.orientation = Orientation::Keep}).report.keepsFaces());
+  EXPECT_FALSE(mendedBy(mesh, {.remesh = true}).report.keepsFaces());
 }
 
 TEST(Mend, TurnsOutwardsWhatIsMostlyTurned) {
@@ -75,14 +75,14 @@ TEST(Mend, TurnsOutwardsWhatIsMostlyTurned) {
     for (uint32_t f = 0; f < count; ++f) faces.push_back(f);
     turnFaces(mesh, faces);
     const Repaired made = mendedBy(mesh);
-    EXPECT_TRUE(made.report.kept) << count;
+    EXPECT_TRUE(made.report.keepsFaces()) << count;
     EXPECT_EQ(made.report.stats.turnedFaces, faces);
     EXPECT_NEAR(made.report.after.signedVolume, diagnose(ball).signedVolume + 1.0, 1e-6);
   }
   Mesh half = ball;  // Either half may be the turned one.
   for (uint32_t f = 0; f < 160; ++f) turnFace(half, f);
-  EXPECT_FALSE(mendedBy(half).report.kept);
-  EXPECT_FALSE(mendedBy(inverted(ball)).report.kept);
+  EXPECT_FALSE(mendedBy(half).report.keepsFaces());
+  EXPECT_FALSE(mendedBy(inverted(ball)).report.keepsFaces());
 }
 
 /// Leaves out the faces of a mesh at a height.
@@ -96,7 +96,7 @@ TEST(Mend, TurnsAFaceBackAndClosesTheHole) {
   Mesh mesh = withoutSide(box({0, 0, 0}, {20, 20, 20}), 0.0);
   turnFace(mesh, 3);
   const Repaired made = mendedBy(mesh);
-  EXPECT_TRUE(made.report.kept);
+  EXPECT_TRUE(made.report.keepsFaces());
   EXPECT_EQ(made.report.stats.turnedFaces, std::vector<uint32_t>{3});
   EXPECT_EQ(made.report.closedHoles, 1u);
   EXPECT_EQ(made.report.closingFaces, 2u);
@@ -109,7 +109,7 @@ TEST(Mend, ClosesFlatHolesBeforeTheUnion) {
   for (const double z : {0.0, 30.0}) {
     const Mesh mesh = withoutSide(boxes, z);
     const Repaired made = mendedBy(mesh, {}, {}, 64);
-    EXPECT_TRUE(made.report.kept);
+    EXPECT_TRUE(made.report.keepsFaces());
     EXPECT_GT(made.report.unitedFaces, 0u);
     EXPECT_EQ(made.report.closedHoles, z == 0.0 ? 2u : 1u);
     EXPECT_NEAR(made.report.after.signedVolume, 20 * 20 * 15 + 20 * 14 * 30 - 8 * 14 * 15, 1e-3);

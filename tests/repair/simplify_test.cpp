@@ -359,7 +359,7 @@ TEST(Simplify, GivesARepairAsFewTrianglesAsAskedFor) {
   for (const bool remesh : {false, true}) {
     const Repaired made = repair(torus, grid, {}, {.remesh = remesh, .triangles = 800});
     const SimplifyReport& report = made.report.simplified;
-    EXPECT_EQ(made.report.kept, !remesh);
+    EXPECT_EQ(made.report.keepsFaces(), !remesh);
     EXPECT_TRUE(made.report.after.watertight);
     EXPECT_LE(made.mesh.triangles.size(), 800u);
     EXPECT_GE(made.mesh.triangles.size(), 700u);
@@ -372,7 +372,7 @@ TEST(Simplify, GivesARepairAsFewTrianglesAsAskedFor) {
   EXPECT_EQ(kept.mesh.triangles.size(), torus.triangles.size());
   EXPECT_EQ(kept.report.simplified.tolerance, 0.0);
   const Repaired within = repair(torus, grid, {}, {.tolerance = 0.01});
-  EXPECT_TRUE(within.report.kept);
+  EXPECT_TRUE(within.report.keepsFaces());
   EXPECT_TRUE(within.report.after.watertight);
   EXPECT_LT(within.mesh.triangles.size(), torus.triangles.size() / 2);
   EXPECT_EQ(within.report.simplified.tolerance, 0.01);

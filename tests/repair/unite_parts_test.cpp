@@ -27,10 +27,10 @@ Mesh join(std::initializer_list<Mesh> parts) {
 
 /// Expects a union with nothing wrong, and this volume and area.
 void expectUnion(const Mesh& mesh, double volume, double area, double tolerance = 1e-6) {
-  const std::optional<UnitedParts> united = uniteParts(Model(mesh), true);
-  ASSERT_TRUE(united);
-  EXPECT_TRUE(isAllRight(Model(united->mesh)));
-  const Diagnostics found = diagnose(united->mesh);
+  const UnitedParts united = uniteParts(Model(mesh), true);
+  ASSERT_EQ(united.failure, FieldReason::None);
+  EXPECT_TRUE(isAllRight(Model(united.mesh)));
+  const Diagnostics found = diagnose(united.mesh);
   EXPECT_NEAR(found.signedVolume, volume, tolerance * volume);
   EXPECT_NEAR(found.area, area, tolerance * area);
 }
@@ -65,7 +65,7 @@ TEST(UniteParts, TurnsCrossingPartsThatAreInsideOut) {
   const Mesh small = shapes::inverted(shapes::box({1.5, 1.5, 1.5}, {3, 3, 3}));
   const Mesh mesh = join({shapes::box({0, 0, 0}, {2, 2, 2}), small});
   expectUnion(mesh, 8.0 + 3.375 - 0.125, 24.0 + 13.5 - 1.5);
-  EXPECT_EQ(uniteParts(Model(mesh), true)->inverted.faces.size(), 12u);
+  EXPECT_EQ(uniteParts(Model(mesh), true).inverted.faces.size(), 12u);
 }
 
 TEST(UniteParts, PartsSolidsAtACommonEdge) {
@@ -76,19 +76,19 @@ TEST(UniteParts, PartsSolidsAtACommonEdge) {
 TEST(UniteParts, KeepsFacesThatNothingMeets) {
   const glm::dvec3 aside(1.61, 0.13, 0.07);
   const Mesh mesh = join({shapes::sphere(1.0, 3), shapes::sphere(1.0, 3, aside)});
-  const std::optional<UnitedParts> united = uniteParts(Model(mesh), true);
-  ASSERT_TRUE(united);
+  const UnitedParts united = uniteParts(Model(mesh), true);
+  ASSERT_EQ(united.failure, FieldReason::None);
   const auto cornersOf = [](const Mesh& m, const glm::uvec3& t) {
     return std::array{glm::vec3(m.position(t.x)), glm::vec3(m.position(t.y)), glm::vec3(m.position(t.z))};
   };
   size_t kept = 0;
-  for (const glm::uvec3& t : united->mesh.triangles)
+  for (const glm::uvec3& t : united.mesh.triangles)
     kept += std::ranges::any_of(mesh.triangles, [&](const glm::uvec3& given) {
-      const auto a = cornersOf(mesh, given), b = cornersOf(united->mesh, t);
+      const auto a = cornersOf(mesh, given), b = cornersOf(united.mesh, t);
       return std::memcmp(a.data(), b.data(), sizeof a) == 0;
     });
   const SelfIntersections crossing = findSelfIntersections(mesh);
-  EXPECT_EQ(united->cutFaces, crossing.faces.size());
+  EXPECT_EQ(united.cutFaces, crossing.faces.size());
   // A sphere's faces reach down to 0.99 of its radius.
   size_t outside = 0;
   for (uint32_t f = 0; f < mesh.triangles.size(); ++f)
@@ -103,15 +103,17 @@ TEST(UniteParts, KeepsFacesThatNothingMeets) {
 TEST(UniteParts, LeavesOpenMeshesAndLonePartsInsideOutToTheField) {
   Mesh open = join({shapes::box({0, 0, 0}, {2, 2, 2}), shapes::box({1, 1, 1}, {3, 3, 3})});
   open.triangles.pop_back();
-  EXPECT_FALSE(uniteParts(Model(open), true));
+  EXPECT_EQ(uniteParts(Model(open), true).failure, FieldReason::Open);
   const Mesh lone = shapes::inverted(shapes::box({5, 5, 5}, {6, 6, 6}));
-  EXPECT_FALSE(uniteParts(Model(join({shapes::box({0, 0, 0}, {2, 2, 2}), lone})), true));
+  EXPECT_EQ(uniteParts(Model(join({shapes::box({0, 0, 0}, {2, 2, 2}), lone})), true).failure,
+            FieldReason::InsideOut);
 }
 
 TEST(UniteParts, RepairKeepsTheFacesOfCrossingParts) {
   const Mesh mesh = join({shapes::box({0, 0, 0}, {2, 2, 2}), shapes::box({1, 1, 1}, {3, 3, 3})});
   const Repaired made = repair(mesh, fitRepairGrid(mesh, {.resolution = 16}));
-  EXPECT_TRUE(made.report.kept);
+  EXPECT_EQ(made.report.depth, RepairDepth::Mended);
+  EXPECT_EQ(made.report.fieldReason, FieldReason::None);
   EXPECT_EQ(made.report.unitedFaces, 12u);
   EXPECT_NEAR(made.report.after.signedVolume, 15.0, 1e-6);
 }

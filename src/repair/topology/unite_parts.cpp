@@ -12,7 +12,7 @@
 
 namespace raymap {
 
-std::optional<UnitedParts> uniteParts(const Model& given, bool mayTurn) {
+UnitedParts uniteParts(const Model& given, bool mayTurn) {
   constexpr int kMostRounds = 4;        // New vertices are rounded, so that faces may cross again.
   constexpr double kSameVolume = 1e-3;  // Share of the volume that rounding and cleaning may change.
   UnitedParts united{.mesh = weldedCopy(given)};
@@ -22,11 +22,11 @@ std::optional<UnitedParts> uniteParts(const Model& given, bool mayTurn) {
   for (int round = 0; round < kMostRounds; ++round) {
     const Model mesh(united.mesh);
     const Diagnostics found = diagnose(mesh, {.brief = true});
-    if (!found.balanced) return {};
+    if (!found.balanced) return {.failure = FieldReason::Open};
     std::optional<UnitedFaces> cut = uniteFaces(mesh);
-    if (!cut || cut->mesh.triangles.empty()) return {};
+    if (!cut || cut->mesh.triangles.empty()) break;
     if (round == 0) {
-      if (cut->isAnyInverted) return {};
+      if (cut->isAnyInverted) return {.failure = FieldReason::InsideOut};
       united.cutFaces += cut->cutFaces;
       volume = cut->volume;
     }
@@ -34,10 +34,10 @@ std::optional<UnitedParts> uniteParts(const Model& given, bool mayTurn) {
     united.cutFaces += partEdges(united.mesh);
     if (!isAllRight(Model(united.mesh))) continue;
     const double made = diagnose(united.mesh, {.brief = true}).signedVolume;
-    if (std::abs(made - volume) > kSameVolume * volume) return {};
+    if (std::abs(made - volume) > kSameVolume * volume) break;
     return united;
   }
-  return {};
+  return {.failure = FieldReason::Crossing};
 }
 
 }  // namespace raymap
