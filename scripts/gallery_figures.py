@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 """Writes the figures of docs/gallery.md that no command of raymap makes.
 
-gallery_figures.py FOLDER: writes walker.glb, a jointed figure that takes two steps a second, and bowl.obj, a surface
-without a thickness."""
+gallery_figures.py FOLDER: writes walker.glb, a jointed figure that takes two steps a second, bowl.obj, a surface without
+a thickness, and duck.obj, a toy with many defects."""
 
 import math
 import sys
@@ -27,6 +27,11 @@ PARTS = [
           ("thigh", "hips", (0.09, -0.05, 0), (0, -0.38, 0), 0.085),
           ("shin", "* thigh", (0, -0.42, 0), (0, -0.36, 0), 0.065),
           ("foot", "* shin", (0, -0.4, 0.01), (0, -0.01, 0.15), 0.05)))]
+
+# Defects of the duck: the number of the part, the kind, the centre and the radius.
+PATCHES = [(0, "hole", (0.55, -0.05, 0.75), 0.29), (0, "hole", (-0.55, 0.66, 0.2), 0.27), (1, "hole", (0.6, 1.2, 0.4), 0.2),
+           (0, "reversed", (0.0, 0.15, 0.8), 0.33), (0, "reversed", (0.75, -0.5, 0.3), 0.25), (2, "reversed", (1.2, 0.86, 0), 1),
+           (0, "twice", (-0.6, -0.1, 0.75), 0.28)]
 
 
 def capsule(end, radius, first):
@@ -116,7 +121,42 @@ def write_bowl(path, around=96, rings=24):
     path.write_text("\n".join(lines) + "\n")
 
 
+def ball(centre, radii, around=96, lift=0.0):
+    """Returns the vertices and triangles of an ellipsoid, whose back is bent up by `lift`."""
+    rings, points, faces = around // 2, [], []
+    for ring in range(rings + 1):
+        up = math.pi * (ring / rings - 0.5)
+        for s in range(around):
+            way = 2 * math.pi * s / around
+            x, y, z = math.cos(up) * math.cos(way), math.sin(up), math.cos(up) * math.sin(way)
+            y += lift * max(0.0, -x - 0.3) ** 2
+            points.append([c + r * at for c, r, at in zip(centre, radii, (x, y, z))])
+    for ring in range(rings):
+        for s in range(around):
+            a, b = ring * around + s, ring * around + (s + 1) % around
+            faces += [(a, a + around, b + around)] * (ring < rings - 1) + [(a, b + around, b)] * (ring > 0)
+    return points, faces
+
+
+def write_duck(path):
+    """Writes a duck of five closed parts that cross, one of them inside out, with the defects of PATCHES."""
+    parts = [ball((0, 0, 0), (1.15, 0.72, 0.8), lift=1.6), ball((0.68, 0.92, 0), (0.5, 0.5, 0.48)),
+             ball((1.2, 0.86, 0), (0.3, 0.1, 0.26), 48),
+             *(ball((1.03, 1.1, z), (0.09, 0.09, 0.09), 24) for z in (-0.26, 0.26))]
+    lines, first = [], 1
+    for number, (points, faces) in enumerate(parts):
+        lines += ["v {:.5f} {:.5f} {:.5f}".format(*point) for point in points]
+        for face in faces:
+            middle = [sum(points[corner][a] for corner in face) / 3 for a in range(3)]
+            near = {kind for part, kind, centre, reach in PATCHES if part == number and math.dist(middle, centre) < reach}
+            corners = [str(first + corner) for corner in face[::-1 if "reversed" in near else 1]]
+            lines += ["f " + " ".join(corners)] * (0 if "hole" in near else 2 if "twice" in near else 1)
+        first += len(points)
+    path.write_text("\n".join(lines) + "\n")
+
+
 if __name__ == "__main__":
     folder = Path(sys.argv[1])
     write_walker(folder / "walker.glb")
     write_bowl(folder / "bowl.obj")
+    write_duck(folder / "duck.obj")
