@@ -1,4 +1,5 @@
-"""Runs every command of README.md, and those of `raymap --help`, as printed, in a folder that holds nothing else.
+"""Runs every command of README.md, docs/choose.md, docs/faq.md and `raymap --help`, as printed, in a folder that holds
+nothing else.
 
 readme_test.py RAYMAP README: the program. scripts/check_install.sh tries the code for C++, python/tests/test_docs.py that
 for Python, and CI runs the scripts."""
@@ -46,6 +47,14 @@ class ReadmeTest(unittest.TestCase):
         self.assertEqual(len(lines), 5)
         self.run_lines(lines)
         self.assertEqual(self.run_line("raymap check solid.stl").count(": good"), 1)
+
+    def test_commands_of_pages(self):
+        for page in "choose.md", "faq.md":
+            text = (README.parent / "docs" / page).read_text()
+            lines = printed(text) + re.findall(r"^\| [^|]* \| `(raymap .*?)` \|", text, re.MULTILINE)
+            self.assertGreater(len(lines), 10, page)
+            for line in lines:
+                self.run_line(line)
 
     def test_commands_of_the_help(self):
         lines = printed(self.run_line("raymap --help").split("Try it:")[1])
