@@ -8,6 +8,8 @@
 - docs/dependencies.md names every file, or a folder of it, that includes a header of a library, and no other.
 - docs/cli.md lists the exit codes that `raymap --help` lists, has a section on every command, and lists every
   command once.
+- llms.txt lists the pages of docs/README.md with their questions, and no others.
+- Commands and paths in AGENTS.md exist.
 - CONTRIBUTING.md lists the folders of the tree, in the order of src/layers.txt, and every stage of .ci/run.
 - Lines of prose end before column 101.
 - No sentence of prose, and no comment of a public header, opens with "Of", "What", "Told", "Whose" or "So that", which
@@ -235,6 +237,38 @@ def check_stages():
             yield f"does not list {script}, a stage of .ci/run"
 
 
+def page_map():
+    """Returns the lines of llms.txt: the headings, pages and questions of docs/README.md."""
+    for line in (ROOT / "docs/README.md").read_text().splitlines():
+        row = re.match(r"\| (\[[^\]]*\])\(([^)]*)\) \| (.*) \|$", line)
+        if row:
+            yield f"- {row[1]}({row[2].removeprefix('../') if row[2].startswith('../') else 'docs/' + row[2]}): {row[3]}"
+        elif line.startswith("## "):
+            yield line
+
+
+def check_map():
+    listed = [line for line in (ROOT / "llms.txt").read_text().splitlines() if line.startswith(("- ", "## "))]
+    expected = list(page_map())
+    yield from (f"lacks `{line}`" for line in expected if line not in listed)
+    yield from (f"has `{line}`, which docs/README.md has not" for line in listed if line not in expected)
+
+
+def check_agents():
+    text = (ROOT / "AGENTS.md").read_text()
+    presets = re.findall(r'"name": "(\w+)"', (ROOT / "CMakePresets.json").read_text())
+    for quoted, line in re.findall(r"`([^`]+)`|^    (\S.*)$", text, re.MULTILINE):
+        words = re.sub(r"\s+#.*", "", quoted or line).split()
+        for path in (word for word in words if re.search(r"\w/\w|^\.\w", word) and not word.startswith("build/")):
+            if not (ROOT / path).exists():
+                yield f"{path} does not exist"
+        if words[0] == "raymap" and words[1] not in ("COMMAND", *commands(ROOT)):
+            yield f"raymap has no command {words[1]}"
+        for preset in words[words.index("--preset") + 1:][:1] if "--preset" in words else ():
+            if preset not in presets:
+                yield f"there is no preset {preset}"
+
+
 def main():
     tree = Tree()
     faults = [f"{page.relative_to(ROOT)}:{fault}" for page in pages() for fault in check_page(page, tree)]
@@ -243,6 +277,8 @@ def main():
     faults += [f"docs/decisions/layers.md: {fault}" for fault in check_layers()]
     faults += [f"docs/dependencies.md: {fault}" for fault in check_libraries(tree)]
     faults += [f"docs/cli.md: {fault}" for check in (check_exit_codes, check_commands) for fault in check()]
+    faults += [f"llms.txt: {fault}" for fault in check_map()]
+    faults += [f"AGENTS.md: {fault}" for fault in check_agents()]
     faults += [f"CONTRIBUTING.md: {fault}" for fault in [*check_folders(tree), *check_stages()]]
     count = len(list(pages()))
     finish(faults, f"{count} pages, {len(faults)} faults", count)

@@ -16,7 +16,7 @@ class CheckDocs(PlantedTree):
                                text=True, check=True).stdout.splitlines()
         for name in files:
             if (ROOT / name).is_file():
-                is_read = name.endswith((".md", ".cpp", ".h", "layers.txt", ".ci/run"))
+                is_read = name.endswith((".md", ".cpp", ".h", ".txt", ".ci/run", "CMakePresets.json"))
                 self.copy(name) if is_read else self.put(name, "")
 
     def append(self, name, text):
@@ -40,10 +40,22 @@ class CheckDocs(PlantedTree):
 
     def test_finds_pages_that_no_index_lists_once(self):
         self.edit("docs/README.md", "| [points.md](points.md)", "| [cli.md](cli.md)")
+        self.edit("llms.txt", "- [points.md](docs/points.md)", "- [cli.md](docs/cli.md)")
         self.edit("docs/decisions/README.md", "[first_card](first_card.md)", "[first_card](3mf.md)")
         self.assert_found("docs/README.md: lists points.md 0 times", "docs/README.md: lists cli.md 2 times",
                           "docs/decisions/README.md: lists first_card.md 0 times",
                           "docs/decisions/README.md: lists 3mf.md 2 times")
+
+    def test_finds_what_llms_txt_lacks_and_invents(self):
+        self.edit("llms.txt", "- [points.md](docs/points.md): What", "- [points.md](docs/points.md): Why")
+        self.assert_found("llms.txt: lacks `- [points.md](docs/points.md): What", "llms.txt: has `- [points.md](docs/points.md): Why")
+
+    def test_finds_what_agents_cannot_run(self):
+        self.edit("AGENTS.md", "scripts/format.sh --check", "scripts/style.sh --check")
+        self.edit("AGENTS.md", "`raymap COMMAND --help`", "`raymap paint --help`")
+        self.edit("AGENTS.md", "--build --preset release", "--build --preset quick")
+        self.assert_found("AGENTS.md: scripts/style.sh does not exist", "AGENTS.md: raymap has no command paint",
+                          "AGENTS.md: there is no preset quick")
 
     def test_finds_links_that_lead_nowhere(self):
         self.append("docs/points.md", "[a](gone.md) [b](cli.md#gone) [c](#gone) [d](cli.md#exit-codes) [e](https://x.y)")
