@@ -24,10 +24,12 @@ def draw(text):
     found.sort(key=lambda bar: float(bar[1]))
     height = TOP + ROW * len(found) + 14
     scale = (WIDTH - LEFT - RIGHT) / float(found[-1][1])
-    lines = [f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {WIDTH} {height}" font-family="sans-serif" font-size="25">',
+    lines = [f'<svg xmlns="http://www.w3.org/2000/svg" width="560" viewBox="0 0 {WIDTH} {height}"',
+             ' font-family="sans-serif" font-size="25">',
              f'<rect x="1" y="1" width="{WIDTH - 2}" height="{height - 2}" rx="14" fill="#fff" stroke="#d0d7de"/>',
              '<text x="24" y="42" font-weight="bold" fill="#1f2328">CPU time, relative to Raymap</text>',
-             f'<text x="24" y="75" font-size="21" fill="#59636e">Bunny, {MESH.split()[1]} samples along the longest side; Raymap takes {seconds} s</text>']
+             f'<text x="24" y="75" font-size="21" fill="#59636e">Bunny, {MESH.split()[1]} samples along the longest side;'
+             f' Raymap takes {seconds} s</text>']
     for row, (name, times) in enumerate(found):
         y, length = TOP + ROW * row, scale * float(times)
         lines += [f'<text x="{LEFT - 14}" y="{y + 29}" text-anchor="end" fill="#1f2328">{name}</text>',
