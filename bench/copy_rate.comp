@@ -1,6 +1,4 @@
 // Copies a buffer, 16 bytes per invocation.
-#version 460
-#extension GL_GOOGLE_include_directive : require
 #include "vulkan/device/kernel.glsl"
 #include "copy_rate_push.h"
 

@@ -1,4 +1,4 @@
-// Included first by every kernel.
+// Included first by every kernel. The build sets the version of GLSL.
 
 #extension GL_EXT_buffer_reference : require
 #extension GL_EXT_control_flow_attributes : require

@@ -1,6 +1,4 @@
 // Computes the numbers of groups of the dispatches over a number of items that only the device knows.
-#version 460
-#extension GL_GOOGLE_include_directive : require
 #include "vulkan/device/kernel.glsl"
 #include "vulkan/primitives/dispatch_arguments_push.h"
 

@@ -1,6 +1,4 @@
 // Sets the number of groups to 0 for dispatches behind a closed gate.
-#version 460
-#extension GL_GOOGLE_include_directive : require
 #include "vulkan/device/kernel.glsl"
 #include "vulkan/primitives/gate_push.h"
 

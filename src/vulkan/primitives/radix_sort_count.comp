@@ -1,6 +1,4 @@
 // Counts a group's elements by their digit.
-#version 460
-#extension GL_GOOGLE_include_directive : require
 #include "vulkan/device/kernel.glsl"
 #include "vulkan/device/subgroups.glsl"
 #include "vulkan/primitives/radix_sort.glsl"

@@ -1,6 +1,4 @@
 // Writes each of a group's elements to the place given by its digit and its rank within that digit.
-#version 460
-#extension GL_GOOGLE_include_directive : require
 #include "vulkan/device/kernel.glsl"
 #include "vulkan/device/subgroups.glsl"
 #include "vulkan/primitives/radix_sort.glsl"

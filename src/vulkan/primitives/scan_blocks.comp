@@ -1,6 +1,4 @@
 // Computes the sums before each element of a block, including the sum before the block.
-#version 460
-#extension GL_GOOGLE_include_directive : require
 #include "vulkan/device/kernel.glsl"
 #include "vulkan/device/subgroups.glsl"
 #include "vulkan/primitives/scan.glsl"

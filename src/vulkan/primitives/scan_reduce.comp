@@ -1,6 +1,4 @@
 // Sums each block, for the level above.
-#version 460
-#extension GL_GOOGLE_include_directive : require
 #include "vulkan/device/kernel.glsl"
 #include "vulkan/device/subgroups.glsl"
 #include "vulkan/primitives/scan.glsl"

@@ -1,6 +1,4 @@
 // Krayer & Müller 2019, §3.3: one entry of the voxel grid per invocation.
-#version 460
-#extension GL_GOOGLE_include_directive : require
 #include "vulkan/device/kernel.glsl"
 #include "vulkan/device/subgroups.glsl"
 #include "vulkan/stages/cell_lattice.glsl"

@@ -1,6 +1,4 @@
 // Converts vertices to cell units, where sample (i, j, k) lies at (i, j, k), in double precision as the CPU does.
-#version 460
-#extension GL_GOOGLE_include_directive : require
 #include "vulkan/device/kernel.glsl"
 #include "base/hash_shared.h"
 #include "vulkan/primitives/soft_double.glsl"

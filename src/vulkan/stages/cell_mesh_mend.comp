@@ -1,7 +1,5 @@
 // Mends bad triangles and vertices, if there are any. A bad triangle becomes a corner of a good one, which
 // changes neither distances nor crossings. A bad vertex, which no triangle then uses, moves into the grid.
-#version 460
-#extension GL_GOOGLE_include_directive : require
 #include "vulkan/device/kernel.glsl"
 #include "vulkan/stages/cell_mesh.glsl"
 

@@ -1,6 +1,4 @@
 // Finds the triangles that no other stage may read: those with an index out of range or a nonfinite vertex.
-#version 460
-#extension GL_GOOGLE_include_directive : require
 #include "vulkan/device/kernel.glsl"
 #include "vulkan/device/subgroups.glsl"
 #include "vulkan/stages/cell_mesh.glsl"

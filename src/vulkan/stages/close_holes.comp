@@ -1,7 +1,5 @@
 // Krayer & Müller 2019, §4, end: finds the lattice edges at which the sign changes but no triangle crosses.
 // GPU twin of cpu/sign/close_holes.cpp.
-#version 460
-#extension GL_GOOGLE_include_directive : require
 #include "vulkan/device/kernel.glsl"
 #include "vulkan/stages/crossed_edges.glsl"
 #include "vulkan/stages/close_holes_push.h"

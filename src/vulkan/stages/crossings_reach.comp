@@ -1,7 +1,5 @@
 // Finds the largest distance of triangle corners from sample (0, 0, 0) along an axis. Vertices without
 // triangles are ignored.
-#version 460
-#extension GL_GOOGLE_include_directive : require
 #include "vulkan/device/kernel.glsl"
 #include "vulkan/device/subgroups.glsl"
 #include "vulkan/stages/crossings.glsl"

@@ -1,6 +1,4 @@
 // Scans one run per invocation: some lines of one row of a triangle.
-#version 460
-#extension GL_GOOGLE_include_directive : require
 #include "vulkan/device/kernel.glsl"
 #include "vulkan/primitives/int128.glsl"
 #include "vulkan/stages/crossings.glsl"

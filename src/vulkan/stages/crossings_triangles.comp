@@ -1,6 +1,4 @@
 // Scans the triangles that take few steps, and counts the runs of the others.
-#version 460
-#extension GL_GOOGLE_include_directive : require
 #include "vulkan/device/kernel.glsl"
 #include "vulkan/device/subgroups.glsl"
 #include "vulkan/primitives/int128.glsl"

@@ -1,6 +1,4 @@
 // Krayer & Müller 2019, §3.3, Algorithms 1 and 2, along y or z, by divide and conquer.
-#version 460
-#extension GL_GOOGLE_include_directive : require
 #include "vulkan/device/kernel.glsl"
 #include "method/cell_lattice_shared.h"
 #include "vulkan/stages/distance_transform_push.h"

@@ -1,8 +1,6 @@
 // Krayer & Müller 2019, §3.3, Algorithms 1 and 2, along x. Paper: lower envelopes along every axis. Here: triangles
 // touch the cells that list them, so no value before this pass exceeds 3/4, and the nearest occupied cell on each
 // side is the lowest there. A subgroup handles a line.
-#version 460
-#extension GL_GOOGLE_include_directive : require
 #include "vulkan/device/kernel.glsl"
 #include "vulkan/device/subgroups.glsl"
 #include "method/cell_lattice_shared.h"

@@ -1,6 +1,4 @@
 // Finds the closest triangle of every sample, a 4x4x4 block at a time, from the list of the block above.
-#version 460
-#extension GL_GOOGLE_include_directive : require
 #include "vulkan/device/kernel.glsl"
 #include "vulkan/device/subgroups.glsl"
 #include "vulkan/stages/exact_distance.glsl"

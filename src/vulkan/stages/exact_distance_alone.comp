@@ -1,7 +1,5 @@
 // Finds the closest triangle of the samples of blocks with too much work, or of all blocks: each sample by itself, so
 // that no block keeps the device waiting.
-#version 460
-#extension GL_GOOGLE_include_directive : require
 #include "vulkan/device/kernel.glsl"
 #include "vulkan/device/subgroups.glsl"
 #include "vulkan/stages/exact_distance.glsl"

@@ -1,7 +1,5 @@
 // Finds for each block the triangle closest to its centre, and lists nodes with every triangle that may be
 // closest to some sample in it. The nodes come from the list of the block above.
-#version 460
-#extension GL_GOOGLE_include_directive : require
 #include "vulkan/device/kernel.glsl"
 #include "vulkan/device/subgroups.glsl"
 #include "vulkan/stages/exact_distance.glsl"

@@ -1,6 +1,4 @@
 // Measures the triangles of some leaves for samples that are left, unless the leaves lie too far away.
-#version 460
-#extension GL_GOOGLE_include_directive : require
 #include "vulkan/device/kernel.glsl"
 #include "vulkan/device/subgroups.glsl"
 #include "vulkan/stages/exact_distance.glsl"

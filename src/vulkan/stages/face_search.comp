@@ -1,7 +1,5 @@
 // Lists the edges that may be rims, and the faces that may lie on one another, for the host to look at: twin of
 // the searches over all faces in mesh/rim_edges.cpp and mesh/double_sided.cpp.
-#version 460
-#extension GL_GOOGLE_include_directive : require
 #include "vulkan/device/kernel.glsl"
 #include "base/hash_shared.h"
 #include "vulkan/stages/face_search_push.h"

@@ -1,7 +1,5 @@
 // Writes two distances per invocation as half floats, rounded to the nearest, ties to even. None becomes
 // infinite. The rounding is explicit because those of packHalf2x16 and roundEven depend on the device.
-#version 460
-#extension GL_GOOGLE_include_directive : require
 #include "vulkan/device/kernel.glsl"
 #include "vulkan/stages/field_image_push.h"
 

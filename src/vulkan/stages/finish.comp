@@ -1,6 +1,4 @@
 // Applies the sign, clamps the distances to the band, and converts them to the mesh's units.
-#version 460
-#extension GL_GOOGLE_include_directive : require
 #include "vulkan/device/kernel.glsl"
 #include "vulkan/stages/sign.glsl"
 

@@ -1,7 +1,5 @@
 // Measures how badly the field fits the crossings, and whether signs contradict the parity
 // (cpu/sign/orientation.cpp). Each group sums its samples, always in the same order.
-#version 460
-#extension GL_GOOGLE_include_directive : require
 #include "vulkan/device/kernel.glsl"
 #include "vulkan/stages/orientation.glsl"
 

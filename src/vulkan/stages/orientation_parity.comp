@@ -1,6 +1,4 @@
 // Computes the share of each sample's six rays that cross an odd number of faces.
-#version 460
-#extension GL_GOOGLE_include_directive : require
 #include "vulkan/device/kernel.glsl"
 #include "vulkan/stages/orientation.glsl"
 #include "vulkan/stages/sixth.glsl"

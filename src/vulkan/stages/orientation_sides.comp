@@ -1,7 +1,5 @@
 // Measures the field in front of each face and behind it, in the mean over places on the face
 // (cpu/sign/orientation.cpp).
-#version 460
-#extension GL_GOOGLE_include_directive : require
 #include "vulkan/device/kernel.glsl"
 #include "vulkan/stages/mesh.glsl"
 #include "vulkan/stages/orientation.glsl"

@@ -1,7 +1,5 @@
 // Krayer & Müller 2019, §3.3, last paragraph: the distance of every sample, from the transform of the cells'
 // distances.
-#version 460
-#extension GL_GOOGLE_include_directive : require
 #include "vulkan/device/kernel.glsl"
 #include "vulkan/stages/cell_levels.glsl"
 #include "vulkan/stages/triangle.glsl"

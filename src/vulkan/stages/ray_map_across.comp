@@ -1,6 +1,4 @@
 // Sums adjacent lines in memory, one per invocation.
-#version 460
-#extension GL_GOOGLE_include_directive : require
 #include "vulkan/device/kernel.glsl"
 #include "vulkan/stages/ray_map_push.h"
 

@@ -1,6 +1,4 @@
 // Sums lines whose edges are consecutive in memory, one per subgroup.
-#version 460
-#extension GL_GOOGLE_include_directive : require
 #include "vulkan/device/kernel.glsl"
 #include "vulkan/device/subgroups.glsl"
 #include "vulkan/stages/ray_map_push.h"

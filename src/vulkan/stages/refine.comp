@@ -1,6 +1,4 @@
 // Measures one sample per invocation, unless it has too many triangles.
-#version 460
-#extension GL_GOOGLE_include_directive : require
 #include "vulkan/device/kernel.glsl"
 #include "vulkan/stages/refine.glsl"
 

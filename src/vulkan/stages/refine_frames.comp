@@ -1,7 +1,5 @@
 // Gives each triangle a frame of its own, in which its distance to a point needs no division. Floats suffice here:
 // surface_frames.glsl takes twenty times as many operations, for errors a few times smaller.
-#version 460
-#extension GL_GOOGLE_include_directive : require
 #include "vulkan/device/kernel.glsl"
 #include "vulkan/stages/refine.glsl"
 #include "vulkan/stages/mesh.glsl"

@@ -1,6 +1,4 @@
 // Draws one ray of a pixel per invocation. GPU twin of cpu/render/shade.cpp.
-#version 460
-#extension GL_GOOGLE_include_directive : require
 #include "vulkan/device/kernel.glsl"
 #include "picture/drawn_scene_shared.h"
 #include "picture/sphere_trace_shared.h"

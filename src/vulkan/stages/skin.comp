@@ -1,6 +1,4 @@
 // Linear-blend skinning: moves each vertex to the weighted mean of the places to which its joints move it.
-#version 460
-#extension GL_GOOGLE_include_directive : require
 #include "vulkan/device/kernel.glsl"
 #include "vulkan/stages/skin_push.h"
 

@@ -1,6 +1,4 @@
 // Computes the bounds of all vertices by integer atomics: the result is the same in any order.
-#version 460
-#extension GL_GOOGLE_include_directive : require
 #include "vulkan/device/kernel.glsl"
 #include "vulkan/device/subgroups.glsl"
 #include "vulkan/stages/surface_tree.glsl"

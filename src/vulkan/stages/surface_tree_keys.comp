@@ -1,6 +1,4 @@
 // Computes the position of each triangle's centroid along the Morton curve.
-#version 460
-#extension GL_GOOGLE_include_directive : require
 #include "vulkan/device/kernel.glsl"
 #include "vulkan/stages/surface_tree.glsl"
 #include "vulkan/stages/surface_tree_places.glsl"

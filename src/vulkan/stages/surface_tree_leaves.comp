@@ -1,6 +1,4 @@
 // Gives each triangle a frame of its own, and each leaf a disc around its eight triangles.
-#version 460
-#extension GL_GOOGLE_include_directive : require
 #include "vulkan/device/kernel.glsl"
 #include "vulkan/stages/surface_tree.glsl"
 #include "vulkan/stages/surface_shapes.glsl"

@@ -1,6 +1,4 @@
 // Computes discs around the discs of each node's children. One group does all levels that it has invocations for.
-#version 460
-#extension GL_GOOGLE_include_directive : require
 #include "vulkan/device/kernel.glsl"
 #include "vulkan/stages/surface_tree.glsl"
 #include "vulkan/stages/surface_shapes.glsl"

@@ -1,7 +1,5 @@
 // Reorders each run of the curve so that every aligned power of two of triangles, down to leaves, is compact:
 // halves the run across its longest side, then the halves, and so on.
-#version 460
-#extension GL_GOOGLE_include_directive : require
 #include "vulkan/device/kernel.glsl"
 #include "vulkan/stages/surface_tree.glsl"
 #include "vulkan/stages/surface_tree_places.glsl"

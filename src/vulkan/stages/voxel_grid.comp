@@ -1,6 +1,4 @@
 // Lists the pairs of triangles with few rows of cells, a triangle per invocation, and the parts of the other triangles.
-#version 460
-#extension GL_GOOGLE_include_directive : require
 #include "vulkan/device/kernel.glsl"
 #include "vulkan/device/subgroups.glsl"
 #include "vulkan/stages/voxel_grid_rows.glsl"

@@ -1,6 +1,4 @@
 // Finds the first entry of each cell, in no particular order of the cells.
-#version 460
-#extension GL_GOOGLE_include_directive : require
 #include "vulkan/device/kernel.glsl"
 #include "vulkan/device/subgroups.glsl"
 #include "vulkan/stages/voxel_grid_push.h"

@@ -1,6 +1,4 @@
 // Writes each pair to the list of its cell.
-#version 460
-#extension GL_GOOGLE_include_directive : require
 #include "vulkan/device/kernel.glsl"
 #include "vulkan/stages/voxel_grid_push.h"
 

@@ -1,8 +1,6 @@
 // Lists the pairs of the rows for which floats do not suffice. This is a kernel of its own because few rows need it, and
 // its many values would leave room for fewer invocations at once. Doubles in software are a long chain of integers, so
 // several invocations share a row.
-#version 460
-#extension GL_GOOGLE_include_directive : require
 #include "vulkan/device/kernel.glsl"
 #include "vulkan/device/subgroups.glsl"
 #include "vulkan/stages/voxel_grid.glsl"

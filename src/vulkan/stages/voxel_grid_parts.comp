@@ -1,6 +1,4 @@
 // Lists the pairs of a part of a triangle with many rows of cells.
-#version 460
-#extension GL_GOOGLE_include_directive : require
 #include "vulkan/device/kernel.glsl"
 #include "vulkan/device/subgroups.glsl"
 #include "vulkan/stages/voxel_grid_rows.glsl"

@@ -1,7 +1,5 @@
 // Replaces the winding numbers of doubtful samples by those of the triangles themselves. A work group computes one
 // sample of the list. If the list could not hold all, it goes through some samples of the grid instead.
-#version 460
-#extension GL_GOOGLE_include_directive : require
 #include "vulkan/device/kernel.glsl"
 #include "vulkan/stages/winding_dipoles.glsl"
 #include "vulkan/stages/arc_tangent.glsl"

@@ -1,7 +1,5 @@
 // Lists the samples so close to the threshold that the lattice may have put them on the wrong side. Their order
 // varies from run to run.
-#version 460
-#extension GL_GOOGLE_include_directive : require
 #include "vulkan/device/kernel.glsl"
 #include "vulkan/device/subgroups.glsl"
 #include "vulkan/stages/winding_dipoles.glsl"

@@ -1,6 +1,4 @@
 // Computes the moments of a level's nodes from their triangles or from the nodes of the level below.
-#version 460
-#extension GL_GOOGLE_include_directive : require
 #include "vulkan/device/kernel.glsl"
 #include "vulkan/stages/winding_dipoles.glsl"
 

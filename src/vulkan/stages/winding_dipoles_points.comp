@@ -1,6 +1,4 @@
 // Computes the winding numbers of the triangles themselves at given points, one in each work group.
-#version 460
-#extension GL_GOOGLE_include_directive : require
 #include "vulkan/device/kernel.glsl"
 #include "vulkan/stages/winding_dipoles.glsl"
 #include "vulkan/stages/arc_tangent.glsl"

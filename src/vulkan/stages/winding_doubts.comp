@@ -1,7 +1,5 @@
 // Finds the largest change of the winding numbers along a crossed edge, apart from its crossings. GPU twin of
 // cpu/sign/winding_doubts.cpp.
-#version 460
-#extension GL_GOOGLE_include_directive : require
 #include "vulkan/device/kernel.glsl"
 #include "vulkan/device/subgroups.glsl"
 #include "vulkan/stages/ray_map.glsl"

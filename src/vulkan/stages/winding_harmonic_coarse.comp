@@ -1,7 +1,5 @@
 // Solves the two coarsest lattices in one work group: from the jumps, or as the rest of a V-cycle, whose samples of
 // the first colour are relaxed already.
-#version 460
-#extension GL_GOOGLE_include_directive : require
 #include "vulkan/device/kernel.glsl"
 #include "vulkan/stages/winding_harmonic.glsl"
 #include "vulkan/stages/winding_harmonic_transfer.glsl"

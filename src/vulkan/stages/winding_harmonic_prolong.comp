@@ -1,6 +1,4 @@
 // Prolongs a field to the next finer lattice.
-#version 460
-#extension GL_GOOGLE_include_directive : require
 #include "vulkan/device/kernel.glsl"
 #include "vulkan/stages/winding_harmonic.glsl"
 #include "vulkan/stages/winding_harmonic_transfer.glsl"

@@ -1,7 +1,5 @@
 // Red-black relaxation: sets half of the inner samples to the mean of the values that their neighbours
 // require.
-#version 460
-#extension GL_GOOGLE_include_directive : require
 #include "vulkan/device/kernel.glsl"
 #include "vulkan/stages/winding_harmonic.glsl"
 

@@ -1,6 +1,4 @@
 // Restricts the residual of a lattice to the next coarser one, and begins to relax that one from zero.
-#version 460
-#extension GL_GOOGLE_include_directive : require
 #include "vulkan/device/kernel.glsl"
 #include "vulkan/stages/winding_harmonic.glsl"
 #include "vulkan/stages/winding_harmonic_transfer.glsl"

@@ -1,6 +1,4 @@
 // Adds the curves by way of some offset points to each sample's sum.
-#version 460
-#extension GL_GOOGLE_include_directive : require
 #include "vulkan/device/kernel.glsl"
 #include "method/winding_paths_shared.h"
 #include "vulkan/primitives/rounded_division.glsl"

@@ -1,6 +1,4 @@
 // Computes the average of the six rays of each sample, or takes the one along +x.
-#version 460
-#extension GL_GOOGLE_include_directive : require
 #include "vulkan/device/kernel.glsl"
 #include "vulkan/device/subgroups.glsl"
 #include "vulkan/stages/sixth.glsl"

@@ -1,7 +1,5 @@
 // Computes winding numbers of samples from a ray and the rims. GPU twin of cpu/sign/winding_rims_samples.cpp (Martens,
 // Trettner & Bessmeltsev 2026, "The Antipodal Method").
-#version 460
-#extension GL_GOOGLE_include_directive : require
 #include "vulkan/device/kernel.glsl"
 #include "method/winding_doubts_shared.h"
 #include "method/winding_rims_shared.h"

@@ -1,6 +1,4 @@
 // Computes lower bounds on the distance from a point to a disc.
-#version 460
-#extension GL_GOOGLE_include_directive : require
 #include "vulkan/device/kernel.glsl"
 #include "vulkan/stages/surface_tree_push.h"
 #include "vulkan/stages/surface_shapes.glsl"

@@ -1,5 +1,3 @@
-#version 460
-#extension GL_GOOGLE_include_directive : require
 #include "vulkan/device/kernel.glsl"
 #include "vulkan/primitives/rounded_division.glsl"
 #include "vulkan/primitives/soft_double.glsl"

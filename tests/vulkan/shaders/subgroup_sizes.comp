@@ -1,7 +1,5 @@
 // Each invocation counts the invocations of its subgroup. It does not read gl_SubgroupSize, which would be a constant
 // that distinguishes the kernels of different sizes in a driver's cache.
-#version 460
-#extension GL_GOOGLE_include_directive : require
 #include "vulkan/device/kernel.glsl"
 #include "vulkan/device/subgroups.glsl"
 #include "subgroup_sizes.h"

@@ -1,7 +1,5 @@
 // Each subgroup waits for its own lanes as often as its number says. A driver that takes these waits for barriers
 // of the whole group stops some subgroups for ever.
-#version 460
-#extension GL_GOOGLE_include_directive : require
 #include "vulkan/device/kernel.glsl"
 #include "vulkan/device/subgroups.glsl"
 #include "uneven_barriers.h"

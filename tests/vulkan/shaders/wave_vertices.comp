@@ -1,6 +1,4 @@
 // An animation: vertices move along x with a wave that runs along z.
-#version 460
-#extension GL_GOOGLE_include_directive : require
 #include "vulkan/device/kernel.glsl"
 #include "wave_vertices.h"
 
