@@ -28,8 +28,8 @@ class CheckLayers(PlantedTree):
         self.assert_found("src/cpu/cells/refine.cpp:1 includes cpu/sign/sign.h: cpu/cells may include only")
 
     def test_finds_an_upward_include_in_a_shader(self):
-        self.prepend("src/vulkan/primitives/gate.comp", '#include "vulkan/stages/mesh.glsl"\n')
-        self.assert_found("src/vulkan/primitives/gate.comp:1 includes vulkan/stages/mesh.glsl")
+        self.prepend("src/vulkan/primitives/scan_reduce.comp", '#include "vulkan/stages/mesh.glsl"\n')
+        self.assert_found("src/vulkan/primitives/scan_reduce.comp:1 includes vulkan/stages/mesh.glsl")
 
     def test_finds_an_upward_public_header(self):
         self.prepend("src/field/grid.cpp", "#include <raymap/generate.h>\n")

@@ -3,7 +3,7 @@
 #include <raymap/grid.h>
 
 #include "mesh/packed_mesh.h"
-#include "vulkan/primitives/gate.h"
+#include "vulkan/primitives/dispatch_arguments.h"
 #include "vulkan/stages/cell_mesh_push.h"
 #include "vulkan/stages/device_mesh.h"
 
@@ -44,7 +44,7 @@ class CellMeshStage {
 
  private:
   Kernel<CellMeshPush> toCells_, check_, mend_;
-  Gate gate_;
+  DispatchArguments gate_;
   DeviceBuffer vertices_, triangles_, status_;
   uint32_t vertexCount_ = 0;
   uint32_t triangleCount_ = 0;

@@ -3,7 +3,6 @@
 #include <glm/glm.hpp>
 
 #include "vulkan/primitives/dispatch_arguments.h"
-#include "vulkan/primitives/gate.h"
 #include "vulkan/stages/surface_tree.h"
 #include "vulkan/stages/winding_dipoles_push.h"
 
@@ -51,7 +50,7 @@ class WindingDipolesStage {
 
   uint32_t invocations_;
   glm::ivec3 dims_{0};
-  Gate gate_;
+  DispatchArguments gate_;
   Kernel<WindingDipolesPush> doubts_, momentsOf_, settle_, points_;
   DispatchArguments arguments_;
   uint32_t mostTurns_;

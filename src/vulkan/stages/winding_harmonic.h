@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "method/winding_harmonic_lattices.h"
-#include "vulkan/primitives/gate.h"
+#include "vulkan/primitives/dispatch_arguments.h"
 #include "vulkan/stages/winding_harmonic_push.h"
 #include "vulkan/stages/winding_rays.h"
 
@@ -49,7 +49,7 @@ class WindingHarmonicStage {
   glm::ivec3 dims_{0};
   std::vector<Level> levels_;
   double work_ = 0.0, done_ = 0.0;  // Samples that a whole solve visits, and those visited so far.
-  Gate gate_;
+  DispatchArguments gate_;
   Kernel<WindingHarmonicPush> relax_, restrict_, correct_, prolong_, coarse_;
 };
 

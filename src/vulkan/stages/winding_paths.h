@@ -4,7 +4,7 @@
 
 #include <array>
 
-#include "vulkan/primitives/gate.h"
+#include "vulkan/primitives/dispatch_arguments.h"
 #include "vulkan/stages/winding_paths_push.h"
 #include "vulkan/stages/winding_rays.h"
 
@@ -32,7 +32,7 @@ class WindingPathsStage {
   WindingPathsPush push(const WindingFields& fields) const;
 
   glm::ivec3 dims_{0};
-  Gate gate_;
+  DispatchArguments gate_;
   Kernel<WindingPathsPush> zeroOutside_, raysOutside_;  // By the value of points outside the grid.
   DeviceBuffer next_;
 };
