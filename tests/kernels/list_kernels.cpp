@@ -124,16 +124,16 @@ class EveryStage : public FrameBackend {
     StageRecorder::reserve(extent);
     start(nowhere_, grid_, options_);
     setResults({});
-    recordMisfit();
-    recordSides(0.0f, SideMeasure::Rise);
-    recordParity();
-    recordMissingEdges();
-    recordWindingAt(std::vector<glm::vec3>(1));
+    orientation_.recordMisfit(nowhere_, orientationFields());
+    orientation_.recordSides(nowhere_, orientationFields(), 0.0f, SideMeasure::Rise);
+    orientation_.recordParity(nowhere_, orientationFields());
+    closeHoles_.recordSearch(nowhere_, extent.dims, crossings_.crossed(), results_.winding, 0.5);
+    closeHoles_.recordNumbersAt(nowhere_, windingDipoles_, surfaceTree(), std::vector<glm::vec3>(1), 0.5);
     HolePatch patch;
     patch.triangles = {{0, 1, 2}};
     patch.mesh.vertices.resizeUninitialized(3);
     patch.mesh.dims = extent.dims;
-    recordPatch(patch);
+    closeHoles_.recordDistance(nowhere_, patch, {});
   }
   static Extent hostExtent(const Room& room) {
     return {.vertices = room.vertices,

@@ -23,8 +23,8 @@ class DispatchArguments {
   /// Reserves memory for one dispatch over that number of items. All previously recorded work must have
   /// completed.
   void reserve(const Work& work);
-  /// Plans dispatches of so many groups each, all of which run unless the number is 0. All previously recorded
-  /// work must have completed.
+  /// Plans dispatches of so many groups each, all of which run unless the number is 0. All previously
+  /// recorded work must have completed.
   void plan(std::span<const uint64_t> groups, uint32_t mostGroups = UINT32_MAX);
   /// Reads the number at an address, for the dispatches recorded after it.
   void record(Commands& commands, VkDeviceAddress number);
@@ -36,7 +36,8 @@ class DispatchArguments {
         push.firstGroup = (part - first) * work_.mostGroups;
       else if (part > first)
         throwUnnumbered();
-      commands.dispatchIndirect(kernel, push, entries_, part * sizeof(VkDispatchIndirectCommand), part > first);
+      commands.dispatchIndirect(kernel, push, entries_, part * sizeof(VkDispatchIndirectCommand),
+                                part > first);
     }
   }
 

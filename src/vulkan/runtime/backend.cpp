@@ -41,7 +41,6 @@ void copyToHost(std::byte* to, const std::byte* from, size_t bytes) {
 
 Backend::Backend(Device& device)
     : StageRecorder(device),
-      device_(&device),
       upload_(device),
       distance_(device, "distance"),
       triangle_(device, "closest triangle"),
@@ -84,7 +83,7 @@ void Backend::begin() {
 
 /// The host looks at what the device finds while the device goes on.
 void Backend::searchFaces() {
-  recordFaceSearch();
+  faceSearch_.record(commands(), mesh_.mesh());
   faceSearchPart_ = submitPart();
 }
 
@@ -216,7 +215,7 @@ const DoubleSidedFaces& Backend::doubleSidedFaces() {
   std::optional<std::span<const uint32_t>> faces;
   if (extent().searchesFaces) {
     commandBuffer_.waitForPart(faceSearchPart_);
-    faces = faceSearch().faces();
+    faces = faceSearch_.faces();
   }
   return doubleSided_.emplace(faces ? findDoubleSidedFaces(mesh(), *faces) : findDoubleSidedFaces(mesh()));
 }
@@ -227,7 +226,7 @@ void Backend::searchRims(SignMode mode) {
   const std::span<const glm::uvec3> triangles = turns_.empty() ? mesh().triangles : std::span(turned);
   const PackedMesh asTurned(mesh().vertices, triangles, mesh().origin);
   commandBuffer_.waitForPart(faceSearchPart_);
-  const auto edges = faceSearch().edges();
+  const auto edges = faceSearch_.edges();
   rims_ = edges ? findRimLattices(asTurned, findRimEdges(asTurned, *edges), grid(), mode)
                 : findRimLattices(asTurned, grid(), mode);
   if (mode == SignMode::Harmonic && rims_.rims.size() > kMostRimsInSingles) rims_.rims.clear();
@@ -246,7 +245,7 @@ void Backend::winding(SignMode mode) {
       rims_ = {};
       return;
     }
-    recordRims(rims_);
+    windingRims_.record(commands(), crossings_.lines(), rims_, results_.winding);
   }
   if (!rims_.haveAll()) recordWinding(mode);
 }
@@ -257,7 +256,10 @@ void Backend::windingDipoles() {
   if (!rimsDecide && !usesDipoles) return;
   recordDoubts();
   if (usesDipoles) recordDipoles({rims_.looks, rimsDecide});
-  if (rimsDecide) recordRimSettling(usesDipoles);
+  if (rimsDecide)
+    windingRims_.recordSettling(commands(), crossings_.lines(), results_.distance,
+                                usesDipoles ? 0 : windingDoubts_.change().address(), options().threshold,
+                                results_.winding);
 }
 
 template <class Work>
@@ -288,9 +290,9 @@ void Backend::turnFaces(const Turns& turns) {
 }
 
 double Backend::misfit() {
-  recordMisfit();
+  orientation_.recordMisfit(commands(), orientationFields());
   run();
-  return orientationStage().misfit();
+  return orientation_.misfit();
 }
 
 std::span<const float> Backend::rises() {
@@ -298,22 +300,22 @@ std::span<const float> Backend::rises() {
 }
 
 std::span<const float> Backend::parityRises() {
-  recordParity();
+  orientation_.recordParity(commands(), orientationFields());
   return measureRises(0.0f);
 }
 
 NearSides Backend::nearSides() {
   const std::span<const float> rises = measureRises(0.0f);
-  recordSides(0.0f, SideMeasure::Wholeness);
+  orientation_.recordSides(commands(), orientationFields(), 0.0f, SideMeasure::Wholeness);
   run();
-  return {.rises = rises, .wholeness = orientationStage().sides()};
+  return {.rises = rises, .wholeness = orientation_.sides()};
 }
 
 /// Negates the values of reversed faces, because the host has them as given.
 std::span<const float> Backend::measureRises(float farSides) {
-  recordSides(farSides, SideMeasure::Rise);
+  orientation_.recordSides(commands(), orientationFields(), farSides, SideMeasure::Rise);
   run();
-  const std::span<const float> rises = orientationStage().sides();
+  const std::span<const float> rises = orientation_.sides();
   rises_.assign(rises.begin(), rises.end());
   for (size_t f = 0; f < turns_.size(); ++f)
     if (turns_[f] == kReversed) rises_[f] = -rises_[f];
@@ -322,16 +324,17 @@ std::span<const float> Backend::measureRises(float farSides) {
 
 std::vector<MissingEdge> Backend::missingEdges() {
   do {
-    recordMissingEdges();
+    closeHoles_.recordSearch(commands(), extent().dims, crossings_.crossed(), results_.winding,
+                             options().threshold);
     run();
-  } while (closeHolesStage().growIfFull());
-  return closeHolesStage().edges();
+  } while (closeHoles_.growIfFull());
+  return closeHoles_.edges();
 }
 
 std::vector<float> Backend::windingAt(std::span<const glm::vec3> points) {
-  recordWindingAt(points);
+  closeHoles_.recordNumbersAt(commands(), windingDipoles_, surfaceTree(), points, options().threshold);
   run();
-  return closeHolesStage().numbers();
+  return closeHoles_.numbers();
 }
 
 const CellMesh& Backend::cellMesh() {
@@ -349,7 +352,7 @@ size_t Backend::bytesLeft() const {
 }
 
 void Backend::addPatch() {
-  recordPatch(patch_);
+  closeHoles_.recordDistance(commands(), patch_, {results_.distance, results_.triangle});
   cellMesh_.vertices.release();
   turnedTriangles_.release();
 }

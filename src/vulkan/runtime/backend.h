@@ -47,7 +47,7 @@ class Backend : public StageRecorder, private RecordingListener {
   const DoubleSidedFaces& doubleSidedFaces();
   void turnFaces(const Turns& turns);
   double misfit();
-  bool contradictsParity() const { return orientationStage().contradictsParity(); }
+  bool contradictsParity() const { return orientation_.contradictsParity(); }
   std::span<const float> rises();
   std::span<const float> parityRises();
   NearSides nearSides();
@@ -96,7 +96,6 @@ class Backend : public StageRecorder, private RecordingListener {
   void recordPart(const DeviceBuffer& result, uint64_t first);
   void readBack(const DeviceBuffer& result, void* to, bool isFirstThere = false);
 
-  Device* device_;
   std::optional<Job> job_;
   const char* openStage_ = nullptr;
   size_t faceSearchPart_ = 0;  ///< Part of the command buffer that searches for faces.

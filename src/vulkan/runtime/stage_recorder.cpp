@@ -13,18 +13,20 @@ StageRecorder::StageRecorder(Device& device)
       scratch_(device),
       mesh_(device),
       faceSearch_(device, &scratch_),
-      surfaceTree_(device),
-      exactDistance_(device, &scratch_),
-      refine_(device, &scratch_),
-      rasterDistance_(device),
       crossings_(device, &scratch_),
-      rayMap_(device),
-      winding_(device, &scratch_),
       orientation_(device),
       windingDoubts_(device),
       windingDipoles_(device, &scratch_),
       windingRims_(device, &scratch_),
       closeHoles_(device),
+      surfaceTree_(device),
+      exactDistance_(device, &scratch_),
+      refine_(device, &scratch_),
+      rasterDistance_(device),
+      rayMap_(device),
+      windingRays_(device),
+      windingPaths_(device, &scratch_),
+      windingHarmonic_(device, &scratch_),
       finish_(device),
       windingNumber_(device, "winding number", &scratch_) {}
 
@@ -51,7 +53,8 @@ size_t StageRecorder::reserveSign() {
   crossings_.reserve(dims, extent_.triangles, extent_.closesHoles);
   windingNumber_.resize<float>(extent_.hasWinding ? 0 : sampleCount());
   const size_t solve = scratch_.next();
-  winding_.reserve(dims, extent_.sign, extent_.turnsFaces);
+  if (extent_.sign == SignMode::Paths || extent_.sign == SignMode::Evolution) windingPaths_.reserve(dims);
+  if (extent_.sign == SignMode::Harmonic || extent_.turnsFaces) windingHarmonic_.reserve(dims);
   if (extent_.turnsFaces) orientation_.reserve(dims, extent_.triangles);
   if (extent_.findsRims) {
     scratch_.startPhase(solve);  // Rims make the solve unnecessary.
@@ -80,10 +83,6 @@ void StageRecorder::recordMesh(const CellMeshStage::Source& source) {
   hasSurfaceTree_ = false;
 }
 
-void StageRecorder::recordFaceSearch() {
-  faceSearch_.record(*commands_, mesh_.mesh());
-}
-
 void StageRecorder::recordExactDistance() {
   exactDistance_.record(*commands_, surfaceTree(), options_->band,
                         {.distance = results_.distance, .triangle = results_.triangle});
@@ -103,37 +102,20 @@ void StageRecorder::rayMap() {
 }
 
 void StageRecorder::recordRays(SignMode mode) {
-  winding_.recordRays(*commands_, crossings_.lines(), mode, results_.winding);
+  windingRays_.record(*commands_, crossings_.lines(), mode, results_.winding);
 }
 
 void StageRecorder::recordWinding(SignMode mode) {
-  winding_.record(*commands_, crossings_.lines(), mode, *options_, results_.winding);
-}
-
-void StageRecorder::recordRims(const RimLattices& lattices) {
-  windingRims_.record(*commands_, crossings_.lines(), lattices, results_.winding);
+  const WindingFields fields{.rays = crossings_.lines().axes,
+                             .winding = results_.winding,
+                             .doubtful = windingRays_.doubtful().address()};
+  if (mode == SignMode::Harmonic) windingHarmonic_.record(*commands_, fields);
+  if (mode == SignMode::Paths) windingPaths_.recordAverage(*commands_, fields, *options_);
+  if (mode == SignMode::Evolution) windingPaths_.recordEvolution(*commands_, fields, *options_);
 }
 
 void StageRecorder::recordDoubts() {
-  windingDoubts_.record(*commands_, crossings_.lines(), results_.winding, winding_.doubtful().address());
-}
-
-void StageRecorder::recordRimSettling(bool afterDipoles) {
-  windingRims_.recordSettling(*commands_, crossings_.lines(), results_.distance,
-                              afterDipoles ? 0 : windingDoubts_.change().address(), options_->threshold,
-                              results_.winding);
-}
-
-void StageRecorder::recordMisfit() {
-  orientation_.recordMisfit(*commands_, orientationFields());
-}
-
-void StageRecorder::recordSides(float farSides, SideMeasure measure) {
-  orientation_.recordSides(*commands_, orientationFields(), farSides, measure);
-}
-
-void StageRecorder::recordParity() {
-  orientation_.recordParity(*commands_, orientationFields());
+  windingDoubts_.record(*commands_, crossings_.lines(), results_.winding, windingRays_.doubtful().address());
 }
 
 OrientationStage::Fields StageRecorder::orientationFields() const {
@@ -147,23 +129,9 @@ void StageRecorder::recordDipoles(WindingDipolesStage::Looks looks) {
   windingDipoles_.record(*commands_, surfaceTree(),
                          {.distance = results_.distance,
                           .winding = results_.winding,
-                          .disagreeing = winding_.doubtful().address(),
+                          .disagreeing = windingRays_.doubtful().address(),
                           .change = windingDoubts_.change().address()},
                          looks, options_->threshold);
-}
-
-void StageRecorder::recordMissingEdges() {
-  closeHoles_.recordSearch(*commands_, extent_.dims, crossings_.crossed(), results_.winding,
-                           options_->threshold);
-}
-
-void StageRecorder::recordWindingAt(std::span<const glm::vec3> points) {
-  closeHoles_.recordNumbersAt(*commands_, windingDipoles_, surfaceTree(), points, options_->threshold);
-}
-
-void StageRecorder::recordPatch(const HolePatch& patch) {
-  closeHoles_.recordDistance(*commands_, patch,
-                             {.distance = results_.distance, .triangle = results_.triangle});
 }
 
 void StageRecorder::recordFinish() {
@@ -189,7 +157,7 @@ void StageRecorder::recordFindings(std::initializer_list<BufferRange> targets) {
     copy(mesh_.status(), offsetof(Findings, mesh));
     if (hasSign()) {
       copy(crossings_.status(), offsetof(Findings, crossings));
-      copy(winding_.doubtful(), offsetof(Findings, doubtful));
+      copy(windingRays_.doubtful(), offsetof(Findings, doubtful));
     }
     if (isExact()) return;
     for (size_t l = 0; l < extent_.lattices.size(); ++l)

@@ -8,12 +8,10 @@
 #include "vulkan/device/commands.h"
 #include "vulkan/device/scratch_memory.h"
 #include "vulkan/runtime/findings.h"
-#include "vulkan/stages/cell_distance.h"
 #include "vulkan/stages/cell_levels.h"
 #include "vulkan/stages/cell_mesh.h"
 #include "vulkan/stages/close_holes.h"
 #include "vulkan/stages/crossings.h"
-#include "vulkan/stages/distance_transform.h"
 #include "vulkan/stages/exact_distance.h"
 #include "vulkan/stages/face_search.h"
 #include "vulkan/stages/finish.h"
@@ -22,10 +20,11 @@
 #include "vulkan/stages/ray_map.h"
 #include "vulkan/stages/refine.h"
 #include "vulkan/stages/surface_tree.h"
-#include "vulkan/stages/voxel_grid.h"
-#include "vulkan/stages/winding.h"
 #include "vulkan/stages/winding_dipoles.h"
 #include "vulkan/stages/winding_doubts.h"
+#include "vulkan/stages/winding_harmonic.h"
+#include "vulkan/stages/winding_paths.h"
+#include "vulkan/stages/winding_rays.h"
 #include "vulkan/stages/winding_rims.h"
 
 namespace raymap::vulkan {
@@ -76,11 +75,9 @@ class StageRecorder {
   /// The winding numbers of `SignMode::Harmonic` after `recordRays`, if some rays disagree: from rims, or as
   /// the field that fits all crossings.
   void recordRays(SignMode mode);
-  void recordRims(const RimLattices& lattices);
   void recordWinding(SignMode mode);
   void recordDoubts();
   void recordDipoles(WindingDipolesStage::Looks looks);
-  void recordRimSettling(bool afterDipoles);
 
   explicit StageRecorder(Device& device);
 
@@ -99,19 +96,6 @@ class StageRecorder {
   void setResults(const Results& results);
   void recordMesh(const CellMeshStage::Source& source);
   void recordExactDistance();
-  /// Records the search in the mesh that was recorded last.
-  void recordFaceSearch();
-  const FaceSearchStage& faceSearch() const { return faceSearch_; }
-  // For the stage `orientation`.
-  void recordMisfit();
-  void recordSides(float farSides, SideMeasure measure);
-  void recordParity();
-  const OrientationStage& orientationStage() const { return orientation_; }
-  // For the stage `close_holes`.
-  void recordMissingEdges();
-  void recordWindingAt(std::span<const glm::vec3> points);
-  void recordPatch(const HolePatch& patch);
-  CloseHolesStage& closeHolesStage() { return closeHoles_; }
   void recordFinish();
   /// Copies the findings to all targets that have a buffer.
   void recordFindings(std::initializer_list<BufferRange> targets);
@@ -126,49 +110,43 @@ class StageRecorder {
   /// Sets the command buffer to record into from now on.
   void continueIn(const Commands& commands) { commands_ = commands; }
   const Grid& grid() const { return *grid_; }
-
- private:
-  /// Stages of the paper's distances on one lattice.
-  struct Level {
-    Level(Device& device, ScratchMemory* scratch)
-        : grid(device, scratch), distance(device, scratch), transform(device, scratch) {}
-    VoxelGridStage grid;
-    CellDistanceStage distance;
-    DistanceTransformStage transform;
-  };
-
-  /// Returns the place of scratch memory from which on nothing holds rays.
-  size_t reserveSign();
-  void reserveCells();
-  bool isRaster() const { return extent_.distance == DistanceMode::Raster; }
   /// Returns the tree of the current mesh; records its construction first if the mesh has none.
   const SurfaceTreeStage& surfaceTree();
   OrientationStage::Fields orientationFields() const;
-  std::optional<Error> errorOf(const Findings& findings) const;
 
   Device* device_;
-  std::optional<Commands> commands_;
-  const Grid* grid_ = nullptr;
-  const FieldOptions* options_ = nullptr;
-  Extent extent_;
   Results results_;
   ScratchMemory scratch_;  // Declared before the members that use it.
   CellMeshStage mesh_;
   FaceSearchStage faceSearch_;
-  bool hasSurfaceTree_ = false;
-  SurfaceTreeStage surfaceTree_;
-  ExactDistanceStage exactDistance_;
-  std::vector<std::unique_ptr<Level>> levels_;  // At least as many as lattices.
-  RefineStage refine_;
-  RasterDistanceStage rasterDistance_;
   CrossingsStage crossings_;
-  RayMapStage rayMap_;
-  WindingStage winding_;
   OrientationStage orientation_;
   WindingDoubtsStage windingDoubts_;
   WindingDipolesStage windingDipoles_;
   WindingRimsStage windingRims_;
   CloseHolesStage closeHoles_;
+
+ private:
+  /// Returns the place of scratch memory from which on nothing holds rays.
+  size_t reserveSign();
+  void reserveCells();
+  bool isRaster() const { return extent_.distance == DistanceMode::Raster; }
+  std::optional<Error> errorOf(const Findings& findings) const;
+
+  std::optional<Commands> commands_;
+  const Grid* grid_ = nullptr;
+  const FieldOptions* options_ = nullptr;
+  Extent extent_;
+  bool hasSurfaceTree_ = false;
+  SurfaceTreeStage surfaceTree_;
+  ExactDistanceStage exactDistance_;
+  std::vector<std::unique_ptr<CellStages>> levels_;  // At least as many as lattices.
+  RefineStage refine_;
+  RasterDistanceStage rasterDistance_;
+  RayMapStage rayMap_;
+  WindingRaysStage windingRays_;
+  WindingPathsStage windingPaths_;
+  WindingHarmonicStage windingHarmonic_;
   FinishStage finish_;
   DeviceBuffer windingNumber_;  // Used if the results have no buffer for it.
 };

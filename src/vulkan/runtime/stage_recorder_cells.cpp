@@ -6,14 +6,12 @@ namespace raymap::vulkan {
 
 void StageRecorder::reserveCells() {
   const std::vector<CellLattice>& lattices = extent_.lattices;
-  while (levels_.size() < lattices.size()) levels_.push_back(std::make_unique<Level>(*device_, &scratch_));
+  while (levels_.size() < lattices.size())
+    levels_.push_back(std::make_unique<CellStages>(*device_, &scratch_));
   std::vector<CellLevelData> data;
   for (size_t l = 0; l < lattices.size(); ++l) {
-    Level& level = *levels_[l];
-    level.transform.reserve(lattices[l].dims);
-    level.grid.reserve(lattices[l], extent_.triangles, extent_.lists[l], !isRaster());
-    level.distance.reserve(lattices[l]);
-    data.push_back(levelOf(level.grid, level.distance, level.transform));
+    levels_[l]->reserve(lattices[l], extent_.triangles, extent_.lists[l], !isRaster());
+    data.push_back(levels_[l]->data());
   }
   if (isRaster())
     rasterDistance_.reserve(extent_.dims, data);
@@ -23,10 +21,8 @@ void StageRecorder::reserveCells() {
 
 bool StageRecorder::fits(const Findings& findings) const {
   if (isExact()) return true;
-  for (size_t l = 0; l < extent_.lattices.size(); ++l) {
-    const ListSizes sizes = sizesOf(findings.lists[l]);
-    if (!levels_[l]->grid.fits(sizes)) return false;
-  }
+  for (size_t l = 0; l < extent_.lattices.size(); ++l)
+    if (!levels_[l]->grid.fits(sizesOf(findings.lists[l]))) return false;
   return true;
 }
 
@@ -51,10 +47,8 @@ void StageRecorder::rasterDistance() {
 }
 
 void StageRecorder::distanceTransform() {
-  for (size_t l = 0; l < extent_.lattices.size(); ++l) {
-    Level& level = *levels_[l];
-    level.transform.record(*commands_, level.distance.squared().address());
-  }
+  for (size_t l = 0; l < extent_.lattices.size(); ++l)
+    levels_[l]->transform.record(*commands_, levels_[l]->distance.squared().address());
 }
 
 void StageRecorder::refine() {

@@ -39,7 +39,7 @@ class CellProbe : public Probe {
 
   Buffer<float> cellDistance(const CellMesh& mesh, const CellLattice& cells) {
     const UploadedMesh uploaded = upload(mesh);
-    Level& on = level(0);
+    CellStages& on = level(0);
     const auto reserve = [&](const ListSizes& lists) {
       on.reserve(cells, uploaded.addresses().triangleCount, lists);
     };
@@ -64,7 +64,7 @@ class CellProbe : public Probe {
     const auto triangles = uploaded.addresses();
     const std::vector<CellLattice> lattices = coverMesh(mesh);
     for (size_t l = 0; l < lattices.size(); ++l) {
-      Level& on = level(l);
+      CellStages& on = level(l);
       const auto reserve = [&](const ListSizes& lists) {
         on.reserve(lattices[l], triangles.triangleCount, lists);
       };
@@ -98,7 +98,7 @@ class CellProbe : public Probe {
     const UploadedMesh uploaded = upload(mesh);
     std::vector<cpu::CellLevel> result;
     for (const CellLattice& cells : coverMesh(mesh)) {
-      Level& on = level(result.size());
+      CellStages& on = level(result.size());
       const auto reserve = [&](const ListSizes& lists) {
         on.reserve(cells, uploaded.addresses().triangleCount, lists, false);
       };
@@ -115,7 +115,7 @@ class CellProbe : public Probe {
   Buffer<float> rasterDistance(const CellMesh& mesh) {
     std::vector<CellLevelData> data;
     for (const cpu::CellLevel& rasterized : rasterize(mesh)) {
-      Level& on = level(data.size());
+      CellStages& on = level(data.size());
       on.transform.reserve(rasterized.grid.cells.dims);
       data.push_back(on.data());
     }
@@ -197,31 +197,18 @@ class CellProbe : public Probe {
     return result;
   }
 
-  struct Level {
-    explicit Level(Device& device) : grid(device), distance(device), transform(device) {}
-    VoxelGridStage grid;
-    CellDistanceStage distance;
-    DistanceTransformStage transform;
-
-    void reserve(const CellLattice& cells, uint32_t triangles, const ListSizes& lists, bool hasLists = true) {
-      grid.reserve(cells, triangles, lists, hasLists);
-      distance.reserve(cells);
-      transform.reserve(cells.dims);
-    }
-    CellLevelData data() const { return levelOf(grid, distance, transform); }
-  };
   /// Returns the stages of a lattice, which are made when they are first asked for.
-  Level& level(size_t number) {
-    while (levels_.size() <= number) levels_.push_back(std::make_unique<Level>(device()));
+  CellStages& level(size_t number) {
+    while (levels_.size() <= number) levels_.push_back(std::make_unique<CellStages>(device()));
     return *levels_[number];
   }
-  cpu::CellLevel onTheCpu(const Level& on) const {
+  cpu::CellLevel onTheCpu(const CellStages& on) const {
     TransformResult result =
         transformed(on.grid.lattice().dims, downloadBuffer<float>(on.distance.squared()), on.transform);
     return {toLists(on.grid), std::move(result.squared), std::move(result.cells)};
   }
 
-  std::vector<std::unique_ptr<Level>> levels_;
+  std::vector<std::unique_ptr<CellStages>> levels_;
   RefineStage refine_{device()};
   RasterDistanceStage samples_{device()};
 };

@@ -5,8 +5,14 @@
 
 namespace raymap::vulkan {
 
-CellLevelData levelOf(const VoxelGridStage& grid, const CellDistanceStage& distance,
-                      const DistanceTransformStage& transform) {
+void CellStages::reserve(const CellLattice& cells, uint32_t triangles, const ListSizes& lists,
+                         bool hasLists) {
+  transform.reserve(cells.dims);
+  grid.reserve(cells, triangles, lists, hasLists);
+  distance.reserve(cells);
+}
+
+CellLevelData CellStages::data() const {
   return {.begins = grid.begins().bytes() > 0 ? grid.begins().address() : 0,
           .entryCells = grid.cells().address(),
           .entryTriangles = grid.triangles().address(),

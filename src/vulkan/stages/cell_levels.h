@@ -8,9 +8,19 @@
 
 namespace raymap::vulkan {
 
-/// Returns the results of the stages before `refine` for one of the lattices of `coverMesh`.
-CellLevelData levelOf(const VoxelGridStage& grid, const CellDistanceStage& distance,
-                      const DistanceTransformStage& transform);
+/// Stages before `refine`, for one of the lattices of `coverMesh`.
+struct CellStages {
+  explicit CellStages(Device& device, ScratchMemory* scratch = nullptr)
+      : grid(device, scratch), distance(device, scratch), transform(device, scratch) {}
+
+  void reserve(const CellLattice& cells, uint32_t triangles, const ListSizes& lists, bool hasLists = true);
+  /// Returns the results for kernels.
+  CellLevelData data() const;
+
+  VoxelGridStage grid;
+  CellDistanceStage distance;
+  DistanceTransformStage transform;
+};
 
 /// All levels, in a buffer for kernels.
 class CellLevels {
