@@ -6,6 +6,7 @@
 #pragma once
 
 #include <cstdint>
+#include <glm/vec3.hpp>
 
 #define RAYMAP_SHARED_BEGIN(space) namespace space {
 #define RAYMAP_SHARED_END }
@@ -20,7 +21,8 @@
 
 namespace raymap {
 using uint = uint32_t;
-}
+using glm::uvec3, glm::vec3;
+}  // namespace raymap
 
 #else
 

@@ -29,6 +29,23 @@ uint ceilDiv(uint a, uint b) {
   return a / b + uint(a % b != 0);
 }
 
+// Number, places and indices of the samples or cells of a lattice, x fastest.
+uint countOf(uvec3 dims) {
+  return dims.x * dims.y * dims.z;
+}
+uvec3 placeOf(uint index, uvec3 dims) {
+  const uint row = index / dims.x;
+  return uvec3(index % dims.x, row % dims.y, row / dims.y);
+}
+uint indexOf(uvec3 place, uvec3 dims) {
+  return (place.z * dims.y + place.y) * dims.x + place.x;
+}
+
+// Returns a vector of three packed floats.
+vec3 vectorAt(Floats from, uint index) {
+  return vec3(from.at[3 * index], from.at[3 * index + 1], from.at[3 * index + 2]);
+}
+
 // Stands for a distance or coordinate that there is none of yet: the largest float. Devices need not support
 // infinity.
 const float kLargestFloat = 3.402823466e38;

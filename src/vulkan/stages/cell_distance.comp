@@ -18,7 +18,7 @@ void main() {
   if (entry < min(push.count.at[0], push.mostEntries)) {
     const uint t = push.entryTriangles.at[entry];
     cell = push.entryCells.at[entry];
-    const vec3 centre = cellCentre(push.cells, cellAt(push.cells, cell));
+    const vec3 centre = cellCentre(push.cells, placeOf(cell, push.cells.dims));
     squared = floatBitsToUint(push.perCell2 * triangleSquaredDistance(centre, corner(t, 0), corner(t, 1), corner(t, 2)));
   }
   // The entries of a crowded cell are contiguous, so each of their subgroups needs one atomic operation.

@@ -8,15 +8,6 @@
 // spend time on branches that no invocation takes.
 layout(constant_id = 1) const bool kIsOfSamples = false;
 
-uint cellIndex(Lattice cells, uvec3 c) {
-  return (c.z * cells.ny + c.y) * cells.nx + c.x;
-}
-
-uvec3 cellAt(Lattice cells, uint index) {
-  const uint row = index / cells.nx;
-  return uvec3(index % cells.nx, row % cells.ny, row / cells.ny);
-}
-
 Double firstCentre(Lattice cells, uint axis) {
   return axis == 0 ? cells.firstX : axis == 1 ? cells.firstY : cells.firstZ;
 }

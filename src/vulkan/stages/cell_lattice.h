@@ -13,9 +13,7 @@ inline Lattice latticeOf(const CellLattice& cells) {
           .firstY = std::bit_cast<uint64_t>(cells.first.y),
           .firstZ = std::bit_cast<uint64_t>(cells.first.z),
           .size = static_cast<float>(cells.size),
-          .nx = static_cast<uint32_t>(cells.dims.x),
-          .ny = static_cast<uint32_t>(cells.dims.y),
-          .nz = static_cast<uint32_t>(cells.dims.z)};
+          .dims = glm::uvec3(cells.dims)};
 }
 
 /// Returns whether each cell (i, j, k) is the one around sample (i, j, k).

@@ -9,7 +9,7 @@ RAYMAP_SHARED_BEGIN(raymap::vulkan)
 struct Lattice {
   uint64_t firstX, firstY, firstZ;  // Bits of doubles.
   float size;
-  uint nx, ny, nz;
+  uvec3 dims;
 };
 RAYMAP_CHECK_SIZE(Lattice, 40);
 

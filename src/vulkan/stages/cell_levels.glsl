@@ -17,6 +17,6 @@ CellPoint cellPointOf(Lattice cells, uvec3 position) {
     at = vec3(at.yz, floatOf(inCells(cells, axis, doubleOf(int(position.x)))));
     position = position.yzx;
   }
-  const ivec3 cell = clamp(ivec3(floor(at + 0.5)), ivec3(0), ivec3(cells.nx, cells.ny, cells.nz) - 1);
+  const ivec3 cell = clamp(ivec3(floor(at + 0.5)), ivec3(0), ivec3(cells.dims) - 1);
   return CellPoint(at, uvec3(cell));
 }

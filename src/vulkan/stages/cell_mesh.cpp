@@ -61,9 +61,7 @@ void CellMeshStage::record(Commands& commands, const Source& source, const Grid&
                           .vertexCount = source.vertexCount,
                           .triangleCount = source.triangleCount,
                           .low = static_cast<float>(-0.5 - outside),
-                          .highX = static_cast<float>(high.x),
-                          .highY = static_cast<float>(high.y),
-                          .highZ = static_cast<float>(high.z)};
+                          .high = glm::vec3(high)};
   vertexCount_ = source.vertexCount;
   triangleCount_ = source.triangleCount;
   commands.fill(status_, 0);

@@ -5,7 +5,7 @@ layout(push_constant, scalar) uniform Push { CellMeshPush push; };
 const uint kBad = 0xffffffffu;  // Stands for a bad triangle's first corner until the triangle is mended.
 
 vec3 vertexAt(uint v) {
-  return vec3(push.vertices.at[3 * v], push.vertices.at[3 * v + 1], push.vertices.at[3 * v + 2]);
+  return vectorAt(push.vertices, v);
 }
 
 void writeVertex(uint v, vec3 p) {

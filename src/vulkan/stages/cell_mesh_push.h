@@ -35,7 +35,7 @@ struct CellMeshPush {
   uint vertexCount;
   uint triangleCount;
   float low;  // The same on all axes.
-  float highX, highY, highZ;
+  vec3 high;
   uint unused;
 };
 RAYMAP_CHECK_SIZE(CellMeshPush, 112);

@@ -11,7 +11,7 @@ bool isGood(uvec3 corners) {
 bool isOutside(uvec3 corners) {
   const vec3 a = vertexAt(corners.x), b = vertexAt(corners.y), c = vertexAt(corners.z);
   return any(lessThan(min(min(a, b), c), vec3(push.low))) ||
-         any(greaterThan(max(max(a, b), c), vec3(push.highX, push.highY, push.highZ)));
+         any(greaterThan(max(max(a, b), c), push.high));
 }
 
 // Updates the status once per subgroup.

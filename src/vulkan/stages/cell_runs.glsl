@@ -43,7 +43,7 @@ LocalTriangle readLocalTriangle(uint triangle) {
   local.c = readCorner(push.vertices, push.triangles, triangle, 2);
   ivec3 lowest = ivec3(0), highest = ivec3(0);
   findBounds(min(min(local.a, local.b), local.c), max(max(local.a, local.b), local.c), lowest, highest);
-  const ivec3 dims = ivec3(push.lattice.nx, push.lattice.ny, push.lattice.nz);
+  const ivec3 dims = ivec3(push.lattice.dims);
   local.base = clamp(lowest, ivec3(0), dims);
   const ivec3 last = clamp(highest, ivec3(-1), dims - 1);
   local.extent = last - local.base;

@@ -7,11 +7,11 @@
 layout(push_constant, scalar) uniform Push { CloseHolesPush push; };
 
 ivec3 dims() {
-  return ivec3(push.gridX, push.gridY, push.gridZ);
+  return ivec3(push.dims);
 }
 
 float windingAt(ivec3 s) {
-  return push.winding.at[(s.z * dims().y + s.y) * dims().x + s.x];
+  return push.winding.at[indexOf(uvec3(s), push.dims)];
 }
 
 bool isInside(ivec3 s) {
@@ -26,7 +26,7 @@ ivec3 nextAlong(uint axis, ivec3 s) {
 // Returns whether triangles cross the edge from a sample to the next one; edge e of a line leads to sample e.
 bool isCrossed(uint axis, ivec3 s) {
   const ivec3 size = nextAlong(axis, dims()), place = nextAlong(axis, s);
-  return isCrossed(push.crossed, push.crossedWords, axis, uint((place.z * size.y + place.y) * size.x + place.x));
+  return isCrossed(push.crossed, push.crossedWords, axis, indexOf(uvec3(place), uvec3(size)));
 }
 
 ivec3 cubeAround(ivec3 s, uint axis, uint c) {
@@ -61,9 +61,8 @@ void addMissing(uint sampleIndex, ivec3 s, uint axis) {
 
 void main() {
   const uint i = invocationIndex();
-  if (i >= push.gridX * push.gridY * push.gridZ) return;
-  const uint row = i / push.gridX;
-  const ivec3 s = ivec3(i % push.gridX, row % push.gridY, row / push.gridY);
+  if (i >= countOf(push.dims)) return;
+  const ivec3 s = ivec3(placeOf(i, push.dims));
   for (uint axis = 0; axis < 3; ++axis) {
     if (s[axis] + 1 == dims()[axis] || isInside(s) == isInside(nextAlong(axis, s))) continue;
     if (!isCrossed(axis, s)) addMissing(i, s, axis);

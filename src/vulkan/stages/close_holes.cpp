@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <tuple>
 
+#include "method/cell_lattice.h"
 #include "shaders/close_holes_spv.h"
 
 namespace raymap::vulkan {
@@ -34,12 +35,10 @@ void CloseHolesStage::recordSearch(Commands& commands, const glm::ivec3& dims, c
                             .edges = edges_.address(),
                             .room = room_,
                             .crossedWords = crossed.words,
-                            .gridX = static_cast<uint32_t>(dims.x),
-                            .gridY = static_cast<uint32_t>(dims.y),
-                            .gridZ = static_cast<uint32_t>(dims.z),
+                            .dims = glm::uvec3(dims),
                             .threshold = static_cast<float>(threshold)};
   commands.fill(count_, 0);
-  commands.dispatch(search_, push, uint64_t{push.gridX} * push.gridY * push.gridZ);
+  commands.dispatch(search_, push, CellLattice{dims}.count());
   commands.copy(count_, hostCount_, count_.bytes());
   if (room_ > 0) commands.copy(edges_, hostEdges_, edges_.bytes());
 }

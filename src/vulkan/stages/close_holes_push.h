@@ -20,7 +20,7 @@ struct CloseHolesPush {
   RAYMAP_ADDRESS(MissingEdges) edges;  // At most `room` of them, in any order.
   uint room;
   uint crossedWords;
-  uint gridX, gridY, gridZ;  // Samples of the grid.
+  uvec3 dims;  // Samples of the grid.
   float threshold;
 };
 RAYMAP_CHECK_SIZE(CloseHolesPush, 56);

@@ -81,17 +81,15 @@ void CrossingsStage::reserve(const glm::ivec3& dims, uint64_t triangleCount, boo
 }
 
 void CrossingsStage::record(Commands& commands, const DeviceMesh& mesh) {
-  CrossingsPush push{.vertices = mesh.vertices,
-                     .triangles = mesh.triangles,
-                     .runs = runCounts_.address(),
-                     .status = status_.address(),
-                     .crossed = crossed_.bytes() > 0 ? crossed_.address() : 0,
-                     .triangleCount = mesh.triangleCount,
-                     .crossedWords = crossedWords_};
-  for (int axis = 0; axis < 3; ++axis) {
-    push.lines[axis] = line(axis).address();
-    push.dims[axis] = static_cast<uint32_t>(dims_[axis]);
-  }
+  const CrossingsPush push{.vertices = mesh.vertices,
+                           .triangles = mesh.triangles,
+                           .lines = {line(0).address(), line(1).address(), line(2).address()},
+                           .runs = runCounts_.address(),
+                           .status = status_.address(),
+                           .crossed = crossed_.bytes() > 0 ? crossed_.address() : 0,
+                           .dims = glm::uvec3(dims_),
+                           .triangleCount = mesh.triangleCount,
+                           .crossedWords = crossedWords_};
   commands.concurrent([&] {
     commands.fill(status_, 0);
     for (const DeviceBuffer& axis : lines_) commands.fill(axis, 0);

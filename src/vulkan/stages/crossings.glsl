@@ -13,8 +13,7 @@ struct SnappedTriangle {
 };
 
 vec3 cornerOf(uint triangle, uint corner) {
-  const uint vertex = push.triangles.at[3 * triangle + corner];
-  return vec3(push.vertices.at[3 * vertex], push.vertices.at[3 * vertex + 1], push.vertices.at[3 * vertex + 2]);
+  return vectorAt(push.vertices, push.triangles.at[3 * triangle + corner]);
 }
 
 int exponentOf(uint bits) {
@@ -48,7 +47,7 @@ i64vec3 snap(vec3 p, int bits) {
 
 ivec3 lineFrom(i64vec3 coordinate, int bits) {
   const i64vec3 line = (coordinate + ((1l << bits) - 1)) >> int64_t(bits);
-  return ivec3(clamp(line, i64vec3(0), i64vec3(push.dims[0], push.dims[1], push.dims[2])));
+  return ivec3(clamp(line, i64vec3(0), i64vec3(push.dims)));
 }
 
 SnappedTriangle snapTriangle(uint triangle, int bits) {
@@ -81,9 +80,7 @@ uvec2 linesAlong(SnappedTriangle t, uint axis) {
 }
 
 void addCrossing(uint axis, ivec3 at, int direction) {
-  const uvec3 place = uvec3(fromFrame(at, axis));
-  const uint nx = push.dims[0] + uint(axis == 0), ny = push.dims[1] + uint(axis == 1);
-  const uint edge = (place.z * ny + place.y) * nx + place.x;
+  const uint edge = indexOf(uvec3(fromFrame(at, axis)), push.dims + uvec3(axis == 0, axis == 1, 0));
   // Invocations of a subgroup may have different axes, and an index into push constants must be the same for all of
   // them: AMD's compiler takes the first one's.
   if (axis == 0) atomicAdd(push.lines[0].at[edge], direction);

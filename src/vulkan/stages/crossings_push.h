@@ -34,7 +34,7 @@ struct CrossingsPush {
   RAYMAP_ADDRESS(CrossingsStatusAddress) status;
   RAYMAP_ADDRESS(Uints)
   crossed;  // Bits of the crossed edges (crossed_edges.glsl); 0: not requested.
-  uint dims[3];
+  uvec3 dims;
   uint triangleCount;
   uint crossedWords;
   uint firstGroup;  // Number of groups before this dispatch.

@@ -24,7 +24,7 @@ struct Line {
 };
 
 uint lineLength() {
-  return kAxis == 1 ? push.ny : push.nz;
+  return kAxis == 1 ? push.dims.y : push.dims.z;
 }
 uint cellAt(Line line, uint p) {
   return line.first + p * line.stride;
@@ -51,7 +51,7 @@ uvec2 valueBefore(uint cell, uint x, uint y, uint p) {
   } else {
     const uint nearestY = nearest == kNoCell ? y : nearest >> 16;
     const float dy = float(int(y) - int(nearestY));
-    value = dy * dy + (dx * dx + push.values.at[(p * push.ny + nearestY) * push.nx + nearestX]);
+    value = dy * dy + (dx * dx + push.values.at[(p * push.dims.y + nearestY) * push.dims.x + nearestX]);
   }
   return uvec2(fractionOf(value), p * p + (nearest == kNoCell ? kNoValue : uint(value)));
 }
@@ -135,7 +135,7 @@ void mergeParts(Line line, uint run, uint parts) {
 void store(Line line, uint p, uint q) {
   const uint nearest = push.from.at[cellAt(line, q)];
   const uint result =
-      kAxis == 1 ? nearest | q << 16 : (q * push.ny + (nearest >> 16)) * push.nx + (nearest & 0xffff);
+      kAxis == 1 ? nearest | q << 16 : (q * push.dims.y + (nearest >> 16)) * push.dims.x + (nearest & 0xffff);
   if (p < lineLength()) push.to.at[cellAt(line, p)] = nearest == kNoCell ? kNoCell : result;
 }
 
@@ -154,13 +154,13 @@ void finishRun(Line line, uint run) {
 }
 
 void main() {
-  const uint tilesInRow = ceilDiv(push.nx, push.lines), outer = groupIndex() / tilesInRow;
-  if (outer >= (kAxis == 1 ? push.nz : push.ny)) return;
-  const uint index = gl_LocalInvocationID.x, shift = findLSB(push.lines), plane = push.nx * push.ny;
+  const uint tilesInRow = ceilDiv(push.dims.x, push.lines), outer = groupIndex() / tilesInRow;
+  if (outer >= (kAxis == 1 ? push.dims.z : push.dims.y)) return;
+  const uint index = gl_LocalInvocationID.x, shift = findLSB(push.lines), plane = push.dims.x * push.dims.y;
   const uint row = index >> shift, rows = gl_WorkGroupSize.x >> shift, number = index & (push.lines - 1);
   const uint x = (groupIndex() - outer * tilesInRow) * push.lines + number;
-  const Line line = Line(number, x + outer * (kAxis == 1 ? plane : push.nx), kAxis == 1 ? push.nx : plane);
-  const bool works = x < push.nx;
+  const Line line = Line(number, x + outer * (kAxis == 1 ? plane : push.dims.x), kAxis == 1 ? push.dims.x : plane);
+  const bool works = x < push.dims.x;
   if (works) load(line, x, outer, row, rows);
   if (row == 0) marks[number] = 0;
   for (uint step = push.runs == 1 ? 0 : 1u << findMSB(push.runs - 1); step > 0; step /= 2) {

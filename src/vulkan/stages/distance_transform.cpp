@@ -75,14 +75,7 @@ void DistanceTransformStage::record(Commands& commands, VkDeviceAddress squared)
 
 DistanceTransformPush DistanceTransformStage::pushOf(VkDeviceAddress squared, VkDeviceAddress from,
                                                      VkDeviceAddress to) const {
-  const glm::uvec3 dims(dims_);
-  return {.values = squared,
-          .from = from,
-          .to = to,
-          .nx = dims.x,
-          .ny = dims.y,
-          .nz = dims.z,
-          .empty = emptyCell(dims_)};
+  return {.values = squared, .from = from, .to = to, .dims = glm::uvec3(dims_), .empty = emptyCell(dims_)};
 }
 
 void DistanceTransformStage::pass(Commands& commands, Kernel<Push>& kernel, int axis, VkDeviceAddress squared,

@@ -13,7 +13,7 @@ struct DistanceTransformPush {
   RAYMAP_ADDRESS(Floats) values;  // Values of the cells before all passes.
   RAYMAP_ADDRESS(Uints) from;     // Result of the pass before.
   RAYMAP_ADDRESS(Uints) to;       // Result: x of the nearest cell, then x | y << 16, then its index.
-  uint nx, ny, nz;
+  uvec3 dims;
   uint lines;   // Lines per group, a power of two; used along y and z, as is `runs`.
   uint runs;    // Runs per line.
   float empty;  // Value of cells without triangles; used along x.

@@ -11,7 +11,7 @@ layout(push_constant, scalar) uniform Push { DistanceTransformPush push; };
 // Returns the cells at `first` and after it, one for each lane, that have a value.
 uvec4 occupiedFrom(uint row, uint first) {
   const uint x = first + gl_SubgroupInvocationID;
-  return subgroupBallot(x < push.nx && push.values.at[row + min(x, push.nx - 1)] < push.empty);
+  return subgroupBallot(x < push.dims.x && push.values.at[row + min(x, push.dims.x - 1)] < push.empty);
 }
 
 // Returns the nearer of the nearest cells on both sides; of equally near ones, that of the lower value.
@@ -24,13 +24,13 @@ uint nearestOf(uint row, uint x, uint left, uint right) {
 
 void main() {
   const uint line = groupIndex() * gl_NumSubgroups + gl_SubgroupID;
-  if (line >= push.ny * push.nz) return;
-  const uint row = line * push.nx, size = gl_SubgroupSize, end = ceilDiv(push.nx, size) * size;
+  if (line >= push.dims.y * push.dims.z) return;
+  const uint row = line * push.dims.x, size = gl_SubgroupSize, end = ceilDiv(push.dims.x, size) * size;
   uint last = kNoCell, next = kNoCell;
   for (uint first = 0; first < end; first += size) {
     const uvec4 occupied = occupiedFrom(row, first), before = occupied & gl_SubgroupLeMask;
     const uint x = first + gl_SubgroupInvocationID;
-    if (x < push.nx) push.to.at[row + x] = before == uvec4(0) ? last : first + subgroupBallotFindMSB(before);
+    if (x < push.dims.x) push.to.at[row + x] = before == uvec4(0) ? last : first + subgroupBallotFindMSB(before);
     if (occupied != uvec4(0)) last = first + subgroupBallotFindMSB(occupied);
   }
   for (uint first = end; first > 0;) {
@@ -38,7 +38,7 @@ void main() {
     const uvec4 occupied = occupiedFrom(row, first), after = occupied & gl_SubgroupGeMask;
     const uint x = first + gl_SubgroupInvocationID;
     const uint right = after == uvec4(0) ? next : first + subgroupBallotFindLSB(after);
-    if (x < push.nx) push.to.at[row + x] = nearestOf(row, x, push.to.at[row + x], right);
+    if (x < push.dims.x) push.to.at[row + x] = nearestOf(row, x, push.to.at[row + x], right);
     if (occupied != uvec4(0)) next = first + subgroupBallotFindLSB(occupied);
   }
 }

@@ -299,7 +299,7 @@ void measureSamples(Block block, uint dominating, List list) {
 void main() {
   const uvec3 blocks = blocksAlong(push.side);
   const uint index = subgroupIndex();
-  if (index >= blocks.x * blocks.y * blocks.z) return;
+  if (index >= countOf(blocks)) return;
   const uvec3 place = placeOf(index, blocks);
   const Block block = blockAt(place);
   const List list = listAbove(place);

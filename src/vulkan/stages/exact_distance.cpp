@@ -105,9 +105,7 @@ ExactDistancePush ExactDistanceStage::pushOf(const SurfaceTreeStage& tree, const
           .triangle = fields.triangle,
           .heavy = heavy_.address(),
           .left = hasShortLoops_ ? left_.address() : 0,
-          .dimX = static_cast<uint32_t>(dims_.x),
-          .dimY = static_cast<uint32_t>(dims_.y),
-          .dimZ = static_cast<uint32_t>(dims_.z),
+          .dims = glm::uvec3(dims_),
           .firstLeaf = tree.firstLeaf(),
           .leafCount = tree.leafCount(),
           .tolerance = 1e-7f * glm::length(glm::vec3(dims_))};

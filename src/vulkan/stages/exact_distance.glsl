@@ -78,12 +78,8 @@ struct Block {
   vec3 centre, reach;
 };
 
-uvec3 gridDims() {
-  return uvec3(push.dimX, push.dimY, push.dimZ);
-}
-
 uvec3 blocksAlong(uint side) {
-  return (gridDims() + (side - 1)) / side;
+  return (push.dims + (side - 1)) / side;
 }
 
 Block blockFrom(uvec3 low, uvec3 high) {
@@ -91,11 +87,7 @@ Block blockFrom(uvec3 low, uvec3 high) {
 }
 
 Block blockAt(uvec3 place) {
-  return blockFrom(place * push.side, min((place + 1) * push.side, gridDims()));
-}
-
-uvec3 placeOf(uint index, uvec3 counts) {
-  return uvec3(index % counts.x, index / counts.x % counts.y, index / counts.x / counts.y);
+  return blockFrom(place * push.side, min((place + 1) * push.side, push.dims));
 }
 
 // Returns the number of nodes to open at once with `size` others on the stack: enough that all lanes get a
@@ -185,7 +177,7 @@ struct List {
 List listAbove(uvec3 place) {
   if (uint64_t(push.parents) == 0) return List(0, 1, 0);
   const uvec3 above = place / push.blocksPerParent, counts = blocksAlong(push.side * push.blocksPerParent);
-  const uint at = ((above.z * counts.y + above.y) * counts.x + above.x) * kListWords;
+  const uint at = indexOf(above, counts) * kListWords;
   return List(at + 2, push.parents.at[at], push.parents.at[at + 1]);
 }
 
@@ -204,18 +196,14 @@ void findClosestOfList(vec3 point, List list, inout Closest closest) {
   findClosest(point, size, closest);
 }
 
-uint gridIndex(uvec3 place) {
-  return (place.z * push.dimY + place.y) * push.dimX + place.x;
-}
-
 // Returns the distance up to which triangles may matter to some sample of the block; 0: any distance.
 float bandOf(Block block) {
   if (push.isAddition == 0) return push.band;
   const uvec3 size = block.high - block.low;
-  const uint count = size.x * size.y * size.z;
+  const uint count = countOf(size);
   float farthest = 0;
   for (uint s = lane(); s < count; s += gl_SubgroupSize)
-    farthest = max(farthest, push.distance.at[gridIndex(block.low + placeOf(s, size))]);
+    farthest = max(farthest, push.distance.at[indexOf(block.low + placeOf(s, size), push.dims)]);
   work += count / gl_SubgroupSize;
   return subgroupMax(farthest);
 }

@@ -13,7 +13,7 @@ bool areAllAlone() {
 // so that a triangle there is found.
 Closest startOf(uvec3 at, List list) {
   const bool isFirst = areAllAlone() && push.isAddition == 0;
-  const float limit = isFirst ? push.band : push.distance.at[gridIndex(at)];
+  const float limit = isFirst ? push.band : push.distance.at[indexOf(at, push.dims)];
   const Closest none = Closest(isFirst && limit == 0 ? kLargestFloat : 1.000001 * limit * limit, kNoneClosest);
   if (!areAllAlone()) return none;
   const float hinted = squaredDistance(readTriangle(push.frames, list.hint), vec3(at));
@@ -23,7 +23,7 @@ Closest startOf(uvec3 at, List list) {
 void main() {
   const uint index = push.firstGroup * gl_NumSubgroups + subgroupIndex();
   const uvec3 blocks = blocksAlong(push.side);
-  if (index >= (areAllAlone() ? blocks.x * blocks.y * blocks.z * kBlockSamples : push.heavy.at[0])) return;
+  if (index >= (areAllAlone() ? countOf(blocks) * kBlockSamples : push.heavy.at[0])) return;
   const uint blockIndex = index / kBlockSamples;
   const uvec3 place = placeOf(areAllAlone() ? blockIndex : push.heavy.at[1 + blockIndex], blocks);
   const Block block = blockAt(place);
@@ -38,5 +38,5 @@ void main() {
   const bool isLeft = isTooMuchWork();
   if (lane() != 0) return;
   if (closest.triangle != kNoneClosest || areAllAlone()) writeSample(at, closest);
-  if (isLeft) push.left.at[1 + atomicAdd(push.left.at[0], 1)] = gridIndex(at);
+  if (isLeft) push.left.at[1 + atomicAdd(push.left.at[0], 1)] = indexOf(at, push.dims);
 }

@@ -47,7 +47,7 @@ void listNodes(Block block, Corners corners, List above, uint list) {
 void main() {
   const uvec3 blocks = blocksAlong(push.side);
   const uint index = subgroupIndex();
-  if (index >= blocks.x * blocks.y * blocks.z) return;
+  if (index >= countOf(blocks)) return;
   const uvec3 place = placeOf(index, blocks);
   const Block block = blockAt(place);
   const List above = listAbove(place);

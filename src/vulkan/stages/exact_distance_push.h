@@ -23,7 +23,7 @@ struct ExactDistancePush {
   // Small blocks with too much work: the number of their samples, then their indices; 0: all blocks.
   RAYMAP_ADDRESS(Uints) heavy;
   RAYMAP_ADDRESS(Uints) left;  // Samples with too much work: their number, then their indices.
-  uint dimX, dimY, dimZ;
+  uvec3 dims;
   uint side;             // Samples along a block.
   uint blocksPerParent;  // Blocks along one of the blocks above.
   uint firstLeaf;        // Index of the first leaf among all nodes.

@@ -15,7 +15,7 @@ void main() {
   const uint index = push.firstGroup * gl_NumSubgroups + subgroupIndex();
   if (index >= push.left.at[0]) return;
   const uint s = push.left.at[1 + index];
-  const uvec3 at = placeOf(s, gridDims());
+  const uvec3 at = placeOf(s, push.dims);
   Closest closest = Closest(push.distance.at[s] * push.distance.at[s], kNoneClosest);
   const uint end = min(push.restLeaf + kRestLeaves, push.leafCount);
   for (uint first = push.restLeaf; first < end; first += gl_SubgroupSize) {

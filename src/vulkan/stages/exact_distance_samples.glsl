@@ -36,7 +36,7 @@ uvec3 samplePlace(Block block, uint s) {
 void writeSample(uvec3 place, Closest closest) {
   const float distance = sqrt(closest.squared);
   const bool isBeyond = closest.triangle == kNoneClosest || push.band > 0 && distance > push.band;
-  const uint index = gridIndex(place);
+  const uint index = indexOf(place, push.dims);
   const bool isAddition = push.isAddition != 0;
   if (isAddition && (isBeyond || distance >= push.distance.at[index])) return;
   push.distance.at[index] = isBeyond ? push.band : distance;

@@ -3,7 +3,7 @@
 #include "vulkan/stages/sign.glsl"
 
 void main() {
-  const uint count = push.gridX * push.gridY * push.gridZ;
+  const uint count = countOf(push.dims);
   const uint first = groupIndex() * kFinishedEach * gl_WorkGroupSize.x + gl_LocalInvocationID.x;
   if (first >= count) return;
   const bool isSigned = uint64_t(push.winding) != 0;

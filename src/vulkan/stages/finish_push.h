@@ -13,7 +13,7 @@ struct FinishPush {
   RAYMAP_ADDRESS(Floats) winding;     // 0: distances stay unsigned.
   RAYMAP_ADDRESS(Floats) distance;    // Unsigned and in cells; becomes the result.
   RAYMAP_ADDRESS(Floats) confidence;  // 0: not requested.
-  uint gridX, gridY, gridZ;           // Samples of the grid.
+  uvec3 dims;                         // Samples of the grid.
   float threshold;
   uint isInverted;  // Positive inside.
   float band;       // In cells; may be infinite.

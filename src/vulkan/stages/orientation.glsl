@@ -8,16 +8,7 @@ layout(push_constant, scalar) uniform Push {
 };
 
 ivec3 gridDims() {
-  return ivec3(push.gridX, push.gridY, push.gridZ);
-}
-
-uint sampleCount() {
-  return push.gridX * push.gridY * push.gridZ;
-}
-
-ivec3 sampleAt(uint index) {
-  const uint row = index / push.gridX;
-  return ivec3(index % push.gridX, row % push.gridY, row / push.gridY);
+  return ivec3(push.dims);
 }
 
 // Returns how many of the two rays along an axis cross an odd number of faces. A sum of +1 and -1 has the same parity

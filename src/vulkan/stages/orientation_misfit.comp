@@ -25,11 +25,11 @@ void main() {
   vec3 sums = vec3(0.0);
   for (uint n = 0; n < kMisfitSamples; ++n) {
     const uint index = (groupIndex() * kMisfitSamples + n) * kMisfitGroup + lane;
-    if (index >= sampleCount()) break;
-    const ivec3 s = sampleAt(index);
+    if (index >= countOf(push.dims)) break;
+    const ivec3 s = ivec3(placeOf(index, push.dims));
     addEdge(push.rays[0], 0, index, s, 1, sums);
-    addEdge(push.rays[1], 1, index, s, push.gridX, sums);
-    addEdge(push.rays[2], 2, index, s, push.gridX * push.gridY, sums);
+    addEdge(push.rays[1], 1, index, s, push.dims.x, sums);
+    addEdge(push.rays[2], 2, index, s, push.dims.x * push.dims.y, sums);
     sums.z += float(contradictsParity(index, s));
   }
   sumsOf[lane] = sums;
@@ -37,6 +37,6 @@ void main() {
     barrier();
     if (lane < reach) sumsOf[lane] += sumsOf[lane + reach];
   }
-  if (lane != 0 || uint64_t(groupIndex()) * kMisfitGroup * kMisfitSamples >= sampleCount()) return;
+  if (lane != 0 || uint64_t(groupIndex()) * kMisfitGroup * kMisfitSamples >= countOf(push.dims)) return;
   for (uint i = 0; i < kMisfitNumbers; ++i) push.misfit.at[kMisfitNumbers * groupIndex() + i] = sumsOf[0][i];
 }

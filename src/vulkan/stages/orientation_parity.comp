@@ -5,6 +5,6 @@
 
 void main() {
   const uint index = invocationIndex();
-  if (index >= sampleCount()) return;
-  push.field.at[index] = sixth(countOddRays(sampleAt(index)));
+  if (index >= countOf(push.dims)) return;
+  push.field.at[index] = sixth(countOddRays(ivec3(placeOf(index, push.dims))));
 }

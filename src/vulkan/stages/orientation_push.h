@@ -19,7 +19,7 @@ struct OrientationPush {
   RAYMAP_ADDRESS(Uints) triangles;
   RAYMAP_ADDRESS(Floats) sides;   // One value per triangle.
   RAYMAP_ADDRESS(Floats) misfit;  // kMisfitNumbers per group.
-  uint gridX, gridY, gridZ;
+  uvec3 dims;
   uint triangleCount;
   float farSides;  // Step along the normal, in roots of twice the face's area; at least a cell.
   float threshold;

@@ -21,8 +21,8 @@ float fieldAt(vec3 p) {
   const ivec3 dims = gridDims();
   const ivec3 low = min(ivec3(p), max(dims - 2, ivec3(0)));
   const vec3 t = p - vec3(low);
-  const uint x = dims.x > 1 ? 1 : 0, y = dims.y > 1 ? push.gridX : 0, z = dims.z > 1 ? push.gridX * push.gridY : 0;
-  const uint at = uint((low.z * dims.y + low.y) * dims.x + low.x);
+  const uint x = dims.x > 1 ? 1 : 0, y = dims.y > 1 ? push.dims.x : 0, z = dims.z > 1 ? push.dims.x * push.dims.y : 0;
+  const uint at = indexOf(uvec3(low), push.dims);
   const float first = alongY(at, x, y, t);
   return first + t.z * (alongY(at + z, x, y, t) - first);
 }

@@ -9,7 +9,7 @@ layout(push_constant, scalar) uniform Push { RasterDistancePush push; };
 
 // Evaluates at p the parabola that gives the transform's value at the centre of p's cell.
 float squaredDistance(CellLevelData level, CellPoint p, uint nearestCell) {
-  const vec3 nearest = vec3(cellAt(level.cells, nearestCell));
+  const vec3 nearest = vec3(placeOf(nearestCell, level.cells.dims));
   const vec3 d = vec3(p.cell) - nearest;
   precise const float value = d.z * d.z + (d.y * d.y + (d.x * d.x + level.squared.at[nearestCell]));
   if (p.at == vec3(p.cell)) return value;
@@ -19,14 +19,13 @@ float squaredDistance(CellLevelData level, CellPoint p, uint nearestCell) {
 
 void main() {
   const uint index = invocationIndex();
-  if (index >= push.nx * push.ny * push.nz) return;
-  const uint row = index / push.nx;
-  const uvec3 position = uvec3(index % push.nx, row % push.ny, row / push.ny);
+  if (index >= countOf(push.dims)) return;
+  const uvec3 position = placeOf(index, push.dims);
   float distance = kLargestFloat;
   for (uint l = 0; l < push.levelCount; ++l) {
     CellLevelData level = push.levels.at[l];
     const CellPoint p = cellPointOf(level.cells, position);
-    const uint nearest = level.nearestCell.at[cellIndex(level.cells, p.cell)];
+    const uint nearest = level.nearestCell.at[indexOf(p.cell, level.cells.dims)];
     if (nearest == kNoCell) continue;
     distance = min(distance, float(level.cells.size) * sqrt(squaredDistance(level, p, nearest)));
   }

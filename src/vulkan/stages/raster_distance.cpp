@@ -17,14 +17,10 @@ void RasterDistanceStage::reserve(const glm::ivec3& dims, std::span<const CellLe
 
 void RasterDistanceStage::record(Commands& commands, VkDeviceAddress distance) {
   levels_.record(commands);
-  commands.dispatch(*kernel_,
-                    {.levels = levels_.address(),
-                     .distance = distance,
-                     .nx = dims_.x,
-                     .ny = dims_.y,
-                     .nz = dims_.z,
-                     .levelCount = levels_.count()},
-                    uint64_t{dims_.x} * dims_.y * dims_.z);
+  commands.dispatch(
+      *kernel_,
+      {.levels = levels_.address(), .distance = distance, .dims = dims_, .levelCount = levels_.count()},
+      uint64_t{dims_.x} * dims_.y * dims_.z);
 }
 
 }  // namespace raymap::vulkan

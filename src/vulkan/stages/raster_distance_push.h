@@ -10,7 +10,7 @@ RAYMAP_SHARED_BEGIN(raymap::vulkan)
 struct RasterDistancePush {
   RAYMAP_ADDRESS(CellLevels) levels;
   RAYMAP_ADDRESS(Floats) distance;
-  uint nx, ny, nz;
+  uvec3 dims;
   uint levelCount;
 };
 RAYMAP_CHECK_SIZE(RasterDistancePush, 32);

@@ -4,7 +4,7 @@
 
 void main() {
   const uint index = invocationIndex();
-  if (index >= push.nx * push.ny * push.nz) return;
+  if (index >= countOf(push.dims)) return;
   Closest closest = noneYet();
   if (measure(index, 0, 1, closest) <= push.mostAlone)
     store(index, closest);

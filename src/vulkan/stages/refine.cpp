@@ -53,9 +53,7 @@ void RefineStage::record(Commands& commands, const DeviceMesh& mesh, const Field
                         .closest = fields.triangle,
                         .crowded = fields.scratch,
                         .crowdedCount = crowdedCount_.address(),
-                        .nx = dims_.x,
-                        .ny = dims_.y,
-                        .nz = dims_.z,
+                        .dims = dims_,
                         .levelCount = levels_.count(),
                         .reach = static_cast<uint32_t>(reach),
                         // Many samples keep the device busy even if some take long; few do not.

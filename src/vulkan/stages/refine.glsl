@@ -36,15 +36,15 @@ uint measureCell(CellLevelData level, uint cell, vec3 p, uint lane, uint step, i
 // Does the same for a sample's nearest cell in a lattice and, with `reach` 1, for that cell's neighbours.
 uint measureLevel(CellLevelData level, uvec3 position, uint lane, uint step, inout Closest closest) {
   const CellPoint point = cellPointOf(level.cells, position);
-  const uint nearest = level.nearestCell.at[cellIndex(level.cells, point.cell)];
+  const uint nearest = level.nearestCell.at[indexOf(point.cell, level.cells.dims)];
   if (nearest == kNoCell) return 0;
-  const uvec3 centre = cellAt(level.cells, nearest), dims = uvec3(level.cells.nx, level.cells.ny, level.cells.nz);
+  const uvec3 centre = placeOf(nearest, level.cells.dims), dims = level.cells.dims;
   const uvec3 low = centre - min(centre, uvec3(push.reach)), high = min(centre + push.reach, dims - 1);
   uint measured = 0;
   for (uint k = low.z; k <= high.z; ++k)
     for (uint j = low.y; j <= high.y; ++j)
       for (uint i = low.x; i <= high.x; ++i) {
-        const uint cell = cellIndex(level.cells, uvec3(i, j, k));
+        const uint cell = indexOf(uvec3(i, j, k), dims);
         measured += measureCell(level, cell, vec3(position), lane, step, closest);
         if (measured > push.mostAlone && step == 1) return measured;
       }
@@ -52,8 +52,7 @@ uint measureLevel(CellLevelData level, uvec3 position, uint lane, uint step, ino
 }
 
 uint measure(uint index, uint lane, uint step, inout Closest closest) {
-  const uint row = index / push.nx;
-  const uvec3 position = uvec3(index % push.nx, row % push.ny, row / push.ny);
+  const uvec3 position = placeOf(index, push.dims);
   uint measured = 0;
   for (uint l = 0; l < push.levelCount; ++l)
     measured += measureLevel(push.levels.at[l], position, lane, step, closest);

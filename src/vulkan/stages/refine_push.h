@@ -18,7 +18,7 @@ struct RefinePush {
   RAYMAP_ADDRESS(Uints) closest;    // Index of the closest triangle per sample; 0: not requested.
   RAYMAP_ADDRESS(Uints) crowded;    // Samples with so many triangles that a whole group measures them.
   RAYMAP_ADDRESS(Uints) crowdedCount;
-  uint nx, ny, nz;
+  uvec3 dims;
   uint levelCount;
   uint reach;      // 1: also measures the neighbours of the nearest cell.
   uint mostAlone;  // Triangles that one invocation measures alone, at most.

@@ -24,9 +24,8 @@ float rate(float w, bool inside, ivec3 s, ivec3 dims) {
 }
 
 void writeConfidence(uint i, float w, bool inside) {
-  const uint row = i / push.gridX;
-  const ivec3 dims = ivec3(push.gridX, push.gridY, push.gridZ);
-  push.confidence.at[i] = rate(w, inside, ivec3(i % push.gridX, row % push.gridY, row / push.gridY), dims);
+  const ivec3 dims = ivec3(push.dims);
+  push.confidence.at[i] = rate(w, inside, ivec3(placeOf(i, push.dims)), dims);
 }
 
 // Returns the distance with the sign that the size of the winding number gives.

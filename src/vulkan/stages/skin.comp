@@ -25,7 +25,7 @@ vec3 blended(uint vertex, vec4 rest) {
 void main() {
   const uint v = invocationIndex();
   if (v >= push.vertexCount) return;
-  const vec4 rest = vec4(push.rest.at[3 * v], push.rest.at[3 * v + 1], push.rest.at[3 * v + 2], 1);
+  const vec4 rest = vec4(vectorAt(push.rest, v), 1);
   const vec3 p = uint64_t(push.joints) == 0 ? movedBy(0, rest) : blended(v, rest);
   for (uint axis = 0; axis < 3; ++axis) push.vertices.at[3 * v + axis] = p[axis];
 }

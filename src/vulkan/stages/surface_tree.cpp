@@ -105,9 +105,7 @@ void SurfaceTreeStage::record(Commands& commands, const DeviceMesh& mesh, const 
                        .discs = discs_.address(),
                        .vertexCount = mesh.vertexCount,
                        .triangleCount = mesh.triangleCount,
-                       .dimX = static_cast<uint32_t>(dims.x),
-                       .dimY = static_cast<uint32_t>(dims.y),
-                       .dimZ = static_cast<uint32_t>(dims.z),
+                       .dims = glm::uvec3(dims),
                        .levelStart = levels_[0].start,
                        .levelCount = levels_[0].count,
                        .keyBits = keyBitsFor(mesh.triangleCount)};

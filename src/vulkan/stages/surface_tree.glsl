@@ -4,12 +4,8 @@
 
 layout(push_constant, scalar) uniform Push { SurfaceTreePush push; };
 
-vec3 readVertex(uint vertex) {
-  return vec3(push.vertices.at[3 * vertex], push.vertices.at[3 * vertex + 1], push.vertices.at[3 * vertex + 2]);
-}
-
 vec3 readCorner(uint triangle, uint corner) {
-  return readVertex(push.triangles.at[3 * triangle + corner]);
+  return vectorAt(push.vertices, push.triangles.at[3 * triangle + corner]);
 }
 
 // Returns the number of a level's nodes, including those that fill up its last eight; the root has no

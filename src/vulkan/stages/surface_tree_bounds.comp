@@ -10,7 +10,7 @@ void main() {
   [[unroll]] for (uint i = 0; i < kVerticesEach; ++i) {
     const uint vertex = first + i * gl_WorkGroupSize.x;
     if (vertex >= push.vertexCount) break;
-    const vec3 v = readVertex(vertex);
+    const vec3 v = vectorAt(push.vertices, vertex);
     low = min(low, v);
     high = max(high, v);
   }

@@ -12,7 +12,7 @@ uvec3 placeOf(uint triangle) {
     high[axis] = fromOrdered(~push.bounds.at[3 + axis]);
   }
   // Triangles far from the grid need no fine order.
-  const vec3 dims = vec3(push.dimX, push.dimY, push.dimZ), nearLow = max(low, -dims), nearHigh = min(high, 2 * dims);
+  const vec3 dims = vec3(push.dims), nearLow = max(low, -dims), nearHigh = min(high, 2 * dims);
   if (all(lessThan(nearLow, nearHigh))) {
     low = nearLow;
     high = nearHigh;

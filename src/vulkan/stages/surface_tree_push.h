@@ -23,7 +23,7 @@ struct SurfaceTreePush {
   RAYMAP_ADDRESS(Vec4s) discs;
   uint vertexCount;
   uint triangleCount;
-  uint dimX, dimY, dimZ;
+  uvec3 dims;
   uint levelStart;       // First node of the level to be written.
   uint levelCount;       // Nodes of that level that have triangles.
   uint levelBelowCount;  // Nodes of the level below that have triangles.

@@ -14,7 +14,7 @@ const CellRun kNoRun = CellRun(0, 0, 0);
 const uint kShortRun = 4;  // Cells of a run that one invocation lists, at most.
 
 CellRun runOf(Row row, ivec2 run) {
-  const uint first = cellIndex(push.lattice, uvec3(row.local.base + ivec3(run.x, row.j, row.k)));
+  const uint first = indexOf(uvec3(row.local.base + ivec3(run.x, row.j, row.k)), push.lattice.dims);
   return CellRun(row.triangle, first, uint(max(run.y - run.x + 1, 0)));
 }
 

@@ -10,8 +10,7 @@
 shared bool areDoubtful[kSamplesPerListed];
 
 void settle(uint index, uint mostTurns, bool isOwn) {
-  const uint row = index / push.gridX;
-  const vec3 p = vec3(index % push.gridX, row % push.gridY, row / push.gridY);
+  const vec3 p = vec3(placeOf(index, push.dims));
   bool isSure = false;
   float w = 0;
   if (isOwn) w = push.winding.at[index];
@@ -30,9 +29,9 @@ void main() {
   const uint count = push.doubts.at[0];
   const bool isListed = count <= push.mostListed;
   const uint group = push.firstGroup + groupIndex();
-  if (group >= (isListed ? count : ceilDiv(sampleCount(), kSamplesPerListed))) return;
+  if (group >= (isListed ? count : ceilDiv(countOf(push.dims), kSamplesPerListed))) return;
   const uint first = isListed ? push.doubts.at[1 + group] : group * kSamplesPerListed;
-  const uint samples = isListed ? 1 : min(kSamplesPerListed, sampleCount() - first);
+  const uint samples = isListed ? 1 : min(kSamplesPerListed, countOf(push.dims) - first);
   if (gl_LocalInvocationIndex < samples)
     areDoubtful[gl_LocalInvocationIndex] = isDoubtful(first + gl_LocalInvocationIndex);
   barrier();

@@ -31,7 +31,3 @@ void writeMoments(uint node, Moments m) {
 bool isDoubtful(uint index) {
   return isDoubtful(push.winding.at[index], push.threshold, kFromFit, push.distance.at[index], push.change.at[0]);
 }
-
-uint sampleCount() {
-  return push.gridX * push.gridY * push.gridZ;
-}

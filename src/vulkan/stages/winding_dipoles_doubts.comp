@@ -18,6 +18,6 @@ void main() {
   const uint first = groupIndex() * kDoubtsEach * gl_WorkGroupSize.x + gl_LocalInvocationID.x;
   for (uint n = 0; n < kDoubtsEach; ++n) {
     const uint i = first + n * gl_WorkGroupSize.x;
-    list(i < sampleCount() && isDoubtful(i), i);
+    list(i < countOf(push.dims) && isDoubtful(i), i);
   }
 }

@@ -7,7 +7,7 @@
 void main() {
   const uint i = groupIndex();
   if (i >= push.pointCount) return;
-  const vec3 p = vec3(push.points.at[3 * i], push.points.at[3 * i + 1], push.points.at[3 * i + 2]);
+  const vec3 p = vectorAt(push.points, i);
   const Winding found = windingNumber(p, kDistant[2], push.mostTurns);
   if (gl_LocalInvocationIndex == 0) push.winding.at[i] = found.isWhole ? found.number : push.threshold;
 }

@@ -25,7 +25,7 @@ struct WindingDipolesPush {
   RAYMAP_ADDRESS(Uints) disagreeing;  // Number of samples whose rays disagree.
   RAYMAP_ADDRESS(Floats) points;      // Three coordinates each; their numbers then go to `winding`.
   RAYMAP_ADDRESS(Floats) change;      // The largest change of the numbers (winding_doubts.comp).
-  uint gridX, gridY, gridZ;           // Samples of the grid.
+  uvec3 dims;                         // Samples of the grid.
   uint triangleCount;
   uint firstLeaf;   // Index of the first leaf among all nodes.
   uint levelStart;  // First node of the level to be written.

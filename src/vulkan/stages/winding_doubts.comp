@@ -9,21 +9,21 @@ layout(push_constant, scalar) uniform Push { WindingDoubtsPush push; };
 
 // Returns the change along the edge from a sample to the next one along an axis, or 0 if it is not crossed.
 float changeAlong(Ints rays, uint axis, ivec3 s, uint index, uint stride) {
-  const int count = crossingsOfEdge(rays, axis, ivec3(push.gridX, push.gridY, push.gridZ), s);
+  const int count = crossingsOfEdge(rays, axis, ivec3(push.dims), s);
   return count == 0 ? 0 : abs(float(count) - (push.winding.at[index] - push.winding.at[index + stride]));
 }
 
 void main() {
   if (push.disagreeing.at[0] == 0) return;
-  const uint plane = push.gridX * push.gridY, samples = plane * push.gridZ;
+  const uint plane = push.dims.x * push.dims.y, samples = plane * push.dims.z;
   const uint first = groupIndex() * kWindingDoubtsSamples * gl_WorkGroupSize.x + gl_LocalInvocationID.x;
   float largest = 0;
   for (uint n = 0; n < kWindingDoubtsSamples; ++n) {
     const uint i = first + n * gl_WorkGroupSize.x;
     if (i >= samples) break;
-    const ivec3 s = ivec3(i % push.gridX, i / push.gridX % push.gridY, i / plane);
+    const ivec3 s = ivec3(placeOf(i, push.dims));
     largest = max(largest, max(changeAlong(push.rays[0], 0, s, i, 1),
-                               max(changeAlong(push.rays[1], 1, s, i, push.gridX),
+                               max(changeAlong(push.rays[1], 1, s, i, push.dims.x),
                                    changeAlong(push.rays[2], 2, s, i, plane))));
   }
   // The bits of floats that are not negative have the order of their values.

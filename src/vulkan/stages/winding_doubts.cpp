@@ -24,9 +24,7 @@ void WindingDoubtsStage::record(Commands& commands, const LatticeLines& rays, Vk
                      .winding = winding,
                      .change = change_.address(),
                      .disagreeing = disagreeing,
-                     .gridX = static_cast<uint32_t>(rays.dims.x),
-                     .gridY = static_cast<uint32_t>(rays.dims.y),
-                     .gridZ = static_cast<uint32_t>(rays.dims.z)},
+                     .dims = glm::uvec3(rays.dims)},
                     ceilDiv(CellLattice{rays.dims}.count(), kWindingDoubtsSamples));
 }
 

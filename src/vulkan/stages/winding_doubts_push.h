@@ -13,7 +13,7 @@ struct WindingDoubtsPush {
   RAYMAP_ADDRESS(Floats) winding;     // One value per sample.
   RAYMAP_ADDRESS(Uints) change;       // The largest change, as the bits of a float.
   RAYMAP_ADDRESS(Uints) disagreeing;  // Number of samples whose rays disagree; if 0, nothing is doubted.
-  uint gridX, gridY, gridZ;           // Samples of the grid.
+  uvec3 dims;                         // Samples of the grid.
   uint unused;
 };
 RAYMAP_CHECK_SIZE(WindingDoubtsPush, 64);

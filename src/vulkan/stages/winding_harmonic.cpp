@@ -123,9 +123,7 @@ WindingHarmonicPush WindingHarmonicStage::push(const WindingFields& fields, uint
           .values = level == 0 ? fields.winding : levels_[level].values.address(),
           .coarse = levels_[level + 1].values.address(),
           .coarseEquations = levels_[level + 1].rightHandSide.address(),
-          .gridX = static_cast<uint32_t>(dims_.x),
-          .gridY = static_cast<uint32_t>(dims_.y),
-          .gridZ = static_cast<uint32_t>(dims_.z),
+          .dims = glm::uvec3(dims_),
           .level = level};
 }
 

@@ -12,7 +12,7 @@ layout(constant_id = 3) const uint kHasEquations = 0;
 layout(push_constant, scalar) uniform Push { WindingHarmonicPush push; };
 
 ivec3 gridDims() {
-  return ivec3(push.gridX, push.gridY, push.gridZ);
+  return ivec3(push.dims);
 }
 
 ivec3 boxDims(uint level) {
@@ -32,17 +32,12 @@ uint wholeInvocationIndex() {
   return push.firstGroup * gl_WorkGroupSize.x + invocationIndex();
 }
 
-uint sampleCount(ivec3 dims) {
-  return uint(dims.x) * uint(dims.y) * uint(dims.z);
-}
-
 uint indexOf(ivec3 s, ivec3 dims) {
-  return uint((s.z * dims.y + s.y) * dims.x + s.x);
+  return indexOf(uvec3(s), uvec3(dims));
 }
 
 ivec3 sampleAt(uint index, ivec3 dims) {
-  const uint row = index / uint(dims.x);
-  return ivec3(index % uint(dims.x), row % uint(dims.y), row / uint(dims.y));
+  return ivec3(placeOf(index, uvec3(dims)));
 }
 
 bool isInner(ivec3 s, ivec3 dims) {

@@ -89,7 +89,7 @@ const uint kMostOwn = ((kMostCoarsest + 1) / 2 * kMostCoarsest * kMostCoarsest +
 
 // Solves the coarsest lattice, starting from zero, by over-relaxation (Young 1954).
 void solveCoarsest(Pairs pairs, ivec3 dims) {
-  for (uint i = gl_LocalInvocationIndex; i < sampleCount(dims); i += gl_WorkGroupSize.x) field[i] = 0.0;
+  for (uint i = gl_LocalInvocationIndex; i < countOf(uvec3(dims)); i += gl_WorkGroupSize.x) field[i] = 0.0;
   uint places[2 * kMostOwn];  // Of the inner samples, those of the first colour first; 0: none.
   float asked[2 * kMostOwn];
   ivec3 pair = pairs.first;

@@ -10,5 +10,5 @@ float coarseAt(ivec3 s, ivec3 coarse) {
 void main() {
   const ivec3 dims = boxDims(push.level);
   const uint i = wholeInvocationIndex();
-  if (i < sampleCount(dims)) push.values.at[i] = prolonged(sampleAt(i, dims), dims, boxDims(push.level + 1));
+  if (i < countOf(uvec3(dims))) push.values.at[i] = prolonged(sampleAt(i, dims), dims, boxDims(push.level + 1));
 }

@@ -18,7 +18,7 @@ struct WindingHarmonicPush {
   RAYMAP_ADDRESS(Floats) rightHandSide;    // Right-hand side of its equations; 0: taken from the ray map.
   RAYMAP_ADDRESS(Floats) coarse;           // Values of the next coarser lattice.
   RAYMAP_ADDRESS(Floats) coarseEquations;  // Right-hand side of its equations.
-  uint gridX, gridY, gridZ;                // Samples of the grid.
+  uvec3 dims;                              // Samples of the grid.
   uint level;                              // Level of the lattice, which has every 2^level-th sample.
   uint colour;                             // Half of the samples to relax.
   float factor;                            // Factor of over-relaxation of the coarsest lattice.

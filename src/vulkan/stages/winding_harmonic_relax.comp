@@ -10,7 +10,7 @@ float valueAt(uint i) {
 void main() {
   const ivec3 dims = boxDims(push.level), pairs = pairDims(dims);
   const uint i = wholeInvocationIndex();
-  if (i >= sampleCount(pairs)) return;
+  if (i >= countOf(uvec3(pairs))) return;
   const ivec3 s = sampleOfPair(sampleAt(i, pairs), push.colour);
   if (isInner(s, dims)) push.values.at[indexOf(s, dims)] = asked(s, dims) * (1.0 / 6.0);
 }

@@ -18,7 +18,7 @@ float residualAt(uint i) {
 
 // Loads the residuals of all samples that the group's coarse samples depend on; zero outside and on the rim.
 void loadResiduals(ivec3 first, ivec3 dims) {
-  const uint count = sampleCount(kHalo);
+  const uint count = countOf(uvec3(kHalo));
   for (uint i = gl_LocalInvocationIndex; i < count; i += gl_WorkGroupSize.x)
     residual[i] = residualOf(first + sampleAt(i, kHalo), dims);
 }
@@ -26,7 +26,7 @@ void loadResiduals(ivec3 first, ivec3 dims) {
 void main() {
   const ivec3 coarse = boxDims(push.level + 1), tiles = (coarse + kTile - 1) / kTile;
   const uint group = wholeGroupIndex();
-  if (group >= sampleCount(tiles)) return;
+  if (group >= countOf(uvec3(tiles))) return;
   const ivec3 low = sampleAt(group, tiles) * kTile;
   loadResiduals(2 * (low - coarseBefore()) - 1, boxDims(push.level));
   barrier();

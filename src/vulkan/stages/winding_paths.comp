@@ -47,7 +47,7 @@ float meanRayOutside(ivec3 s, ivec3 dims) {
 // Paper: offset points outside the grid get six rays, too. Here: they get 0 unless asked for, because no
 // surface lies there.
 float valueAt(ivec3 s, ivec3 dims) {
-  if (isInside(s, dims)) return push.values.at[(s.z * dims.y + s.y) * dims.x + s.x];
+  if (isInside(s, dims)) return push.values.at[indexOf(uvec3(s), push.dims)];
   return kReadsRaysOutside != 0 ? meanRayOutside(s, dims) : 0.0;
 }
 
@@ -77,9 +77,8 @@ int countPaths(ivec3 s, ivec3 offset, ivec3 dims) {
 
 void main() {
   const uint index = push.firstGroup * gl_WorkGroupSize.x + invocationIndex();
-  const ivec3 dims = ivec3(push.dims[0], push.dims[1], push.dims[2]);
-  const uint row = index / push.dims[0];
-  const ivec3 s = ivec3(index % push.dims[0], row % push.dims[1], row / push.dims[1]);
+  const ivec3 dims = ivec3(push.dims);
+  const ivec3 s = ivec3(placeOf(index, push.dims));
   if (s.z >= dims.z) return;
   precise float sum = push.sumScale * push.sums.at[index];
   for (uint point = 0; point < push.pointCount; ++point) {

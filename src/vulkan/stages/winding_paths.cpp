@@ -87,7 +87,7 @@ WindingPathsPush WindingPathsStage::push(const WindingFields& fields) const {
           .divisor = 1.0f,
           .sumScale = 1.0f,
           .pointScale = 1.0f,
-          .dims = {uint32_t(dims_.x), uint32_t(dims_.y), uint32_t(dims_.z)}};
+          .dims = glm::uvec3(dims_)};
 }
 
 }  // namespace raymap::vulkan

@@ -17,7 +17,7 @@ struct WindingPathsPush {
   float divisor;
   float sumScale;    // Factor of the initial sum.
   float pointScale;  // Factor of each point's contribution.
-  uint dims[3];
+  uvec3 dims;
   uint pointCount;
   int offsets[3 * kPointsPerDispatch];
   uint firstGroup;  // Number of groups before this dispatch.

@@ -13,7 +13,7 @@ shared uint doubtfulOfGroup;
 // infinity. With our sign, leaving through a face is +1 both ways. Counts the sample if its rays
 // disagree.
 float windingOf(uint index, inout uint doubtful) {
-  const uint nx = push.dims[0], ny = push.dims[1];
+  const uint nx = push.dims.x, ny = push.dims.y;
   const uint i = index % nx, row = index / nx, k = row / ny;
   const int x = push.rays[0].at[row * (nx + 1) + i + 1], totalX = push.rays[0].at[row * (nx + 1)];
   const int y = push.rays[1].at[index + (k + 1) * nx], totalY = push.rays[1].at[k * (ny + 1) * nx + i];

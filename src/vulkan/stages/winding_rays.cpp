@@ -3,6 +3,7 @@
 #include "vulkan/stages/winding_rays.h"
 
 #include "base/ceil_div.h"
+#include "method/cell_lattice.h"
 #include "shaders/winding_rays_spv.h"
 
 namespace raymap::vulkan {
@@ -16,12 +17,11 @@ WindingRaysStage::WindingRaysStage(Device& device)
 
 void WindingRaysStage::record(Commands& commands, const LatticeLines& rays, SignMode mode,
                               VkDeviceAddress winding) {
-  WindingRaysPush push{.winding = winding, .doubtful = doubtful_.address(), .sampleCount = 1};
-  for (int axis = 0; axis < 3; ++axis) {
-    push.rays[axis] = rays.axes[static_cast<size_t>(axis)];
-    push.dims[axis] = static_cast<uint32_t>(rays.dims[axis]);
-    push.sampleCount *= push.dims[axis];
-  }
+  const WindingRaysPush push{.rays = {rays.axes[0], rays.axes[1], rays.axes[2]},
+                             .winding = winding,
+                             .doubtful = doubtful_.address(),
+                             .dims = glm::uvec3(rays.dims),
+                             .sampleCount = static_cast<uint32_t>(CellLattice{rays.dims}.count())};
   commands.fill(doubtful_, 0);
   const uint64_t samplesOfGroup = uint64_t{kWindingRaysGroup} * kWindingRaysRows;
   commands.dispatch(mode == SignMode::Ray ? oneRay_ : average_, push,

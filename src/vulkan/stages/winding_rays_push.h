@@ -13,7 +13,7 @@ struct WindingRaysPush {
   RAYMAP_ADDRESS(Ints) rays[3];    // The ray map, by axis.
   RAYMAP_ADDRESS(Floats) winding;  // One value per sample.
   RAYMAP_ADDRESS(Uints) doubtful;  // Counter of doubtful samples.
-  uint dims[3];
+  uvec3 dims;
   uint sampleCount;
 };
 RAYMAP_CHECK_SIZE(WindingRaysPush, 56);

@@ -13,10 +13,6 @@
 layout(constant_id = 1) const uint kIsListed = 1;
 layout(push_constant, scalar) uniform Push { WindingRimsPush push; };
 
-vec3 rimEnd(uint i) {
-  return vec3(push.rims.at[3 * i], push.rims.at[3 * i + 1], push.rims.at[3 * i + 2]);
-}
-
 vec3 unit(vec3 v) {
   return v * inversesqrt(max(dot(v, v), 1e-30));
 }
@@ -28,7 +24,7 @@ float shareOfRims(vec3 p, vec3 direction, out float clearance) {
   float turns = 0;
   clearance = 4;
   for (uint i = gl_SubgroupInvocationID; i < push.rimCount; i += gl_SubgroupSize) {
-    const vec3 a = unit(rimEnd(2 * i) - p), b = unit(rimEnd(2 * i + 1) - p);
+    const vec3 a = unit(vectorAt(push.rims, 2 * i) - p), b = unit(vectorAt(push.rims, 2 * i + 1) - p);
     const vec2 factor = vec2(1 + dot(a, b) - dot(a, direction) - dot(b, direction), -dot(cross(a, b), direction));
     clearance = min(clearance, max(factor.x, abs(factor.y)));
     if (max(abs(factor.x), abs(factor.y)) < 1e-6) continue;
@@ -44,7 +40,7 @@ float shareOfRims(vec3 p, vec3 direction, out float clearance) {
 
 // Returns the crossings of the ray from a sample, which may lie outside of the grid.
 int crossingsAlong(Ints rays, uint axis, ivec3 s, bool isForward) {
-  const ivec3 dims = ivec3(push.gridX, push.gridY, push.gridZ);
+  const ivec3 dims = ivec3(push.dims);
   ivec3 across = s;
   across[axis] = 0;
   if (any(lessThan(across, ivec3(0))) || any(greaterThanEqual(across, dims))) return 0;
@@ -66,7 +62,7 @@ float rounded(float winding) {
 }
 
 float windingNumber(ivec3 s) {
-  const vec3 p = vec3(s), fromCentre = p - vec3(push.centreX, push.centreY, push.centreZ);
+  const vec3 p = vec3(s), fromCentre = p - push.centre;
   float best = 0, most = 0, clearance;
   for (uint i = 0; i < 6 && most < kClearOfRims; ++i) {
     const uint ray = rayToTry(i, fromCentre);
@@ -83,9 +79,8 @@ float windingNumber(ivec3 s) {
 
 // All lanes of a subgroup compute the number; one writes it.
 void compute(uint place, bool writes) {
-  const uvec3 dims = uvec3(rimDims(ivec3(push.gridX, push.gridY, push.gridZ), push.level));
-  const uint row = place / dims.x;
-  const float w = windingNumber(ivec3(place % dims.x, row % dims.y, row / dims.y) << int(push.level));
+  const uvec3 dims = uvec3(rimDims(ivec3(push.dims), push.level));
+  const float w = windingNumber(ivec3(placeOf(place, dims)) << int(push.level));
   if (writes) push.values.at[place] = w;
 }
 

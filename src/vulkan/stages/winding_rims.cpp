@@ -65,13 +65,9 @@ WindingRimsPush WindingRimsStage::push(const LatticeLines& rays, VkDeviceAddress
   return {.rays = {rays.axes[0], rays.axes[1], rays.axes[2]},
           .values = values,
           .rims = lists_.address(),
-          .gridX = static_cast<uint32_t>(dims_.x),
-          .gridY = static_cast<uint32_t>(dims_.y),
-          .gridZ = static_cast<uint32_t>(dims_.z),
+          .dims = glm::uvec3(dims_),
           .rimCount = rimCount_,
-          .centreX = centre_.x,
-          .centreY = centre_.y,
-          .centreZ = centre_.z};
+          .centre = centre_};
 }
 
 void WindingRimsStage::record(Commands& commands, const LatticeLines& rays, const RimLattices& lattices,
@@ -93,9 +89,7 @@ void WindingRimsStage::record(Commands& commands, const LatticeLines& rays, cons
       const WindingHarmonicPush prolong{.rays = {rays.axes[0], rays.axes[1], rays.axes[2]},
                                         .values = valuesOf(l),
                                         .coarse = valuesOf(l + 1),
-                                        .gridX = compute.gridX,
-                                        .gridY = compute.gridY,
-                                        .gridZ = compute.gridZ,
+                                        .dims = compute.dims,
                                         .level = compute.level};
       commands.dispatch(prolong_, prolong, rimSamples(dims_, l));
     }

@@ -13,13 +13,13 @@ struct WindingRimsPush {
   RAYMAP_ADDRESS(Uints) computed;   // Places of the samples to compute, if they are listed.
   RAYMAP_ADDRESS(Floats) distance;  // Unsigned distance in cells.
   RAYMAP_ADDRESS(Floats) change;    // The largest change of the numbers (winding_doubts.comp), or null.
-  uint gridX, gridY, gridZ;         // Samples of the grid.
+  uvec3 dims;                       // Samples of the grid.
   uint level;                       // Level of the lattice, which has every 2^level-th sample.
   uint count;                       // Samples to compute or to look at.
   uint rimCount;
   float threshold;
-  float centreX, centreY, centreZ;  // Of the rims.
-  uint source;                      // What the numbers near the threshold come from.
+  vec3 centre;  // Of the rims.
+  uint source;  // What the numbers near the threshold come from.
   uint unused;
 };
 RAYMAP_CHECK_SIZE(WindingRimsPush, 112);
