@@ -31,7 +31,7 @@ TEST_F(VulkanCells, MatchTheCpu) {
 TEST_F(VulkanCells, GiveTheSameBitsEachTime) {
   const Mesh mesh = shapes::joined(shapes::sphere(0.05, 3, {0.4, 0.5, 0.5}), shapes::soup(50, 1));
   const OwnCellMesh cells = onGrid(mesh, {.resolution = 14});
-  const RefineResult one = kept<CellProbe>().refine(cells, 1), two = kept<CellProbe>().refine(cells, 1);
+  const CellResult one = kept<CellProbe>().refine(cells, 1), two = kept<CellProbe>().refine(cells, 1);
   EXPECT_TRUE(std::ranges::equal(one.distance, two.distance));
   EXPECT_TRUE(std::ranges::equal(one.triangle, two.triangle));
 }
@@ -69,8 +69,7 @@ TEST_F(VulkanCells, GrowTheirListsForLargeTriangles) {
                                 {4, -900, 0},    {4, 900, -900}, {5, 900, 900}};
   std::copy_n(corners, 6, mesh.vertices.data());
   Progress progress;
-  const std::vector<cpu::CellLevel> levels = kept<CellProbe>().rasterize(mesh);
-  for (const cpu::CellLevel& level : levels) {
+  for (const cpu::CellLevel& level : kept<CellProbe>().rasterDistance(mesh).levels) {
     Buffer<float> squared;
     rasterizeDistance(mesh, level.grid.cells, progress, squared);
     EXPECT_TRUE(std::ranges::equal(level.squared, squared));

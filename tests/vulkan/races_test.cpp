@@ -69,12 +69,9 @@ class VulkanRaces : public VulkanTest {
 // turned, and below a large triangle.
 TEST_F(VulkanRaces, AreInNoKernel) {
   Subject subject(*device_);
-  for (const auto part :
-       {checksOfPrimitives, checksOfCells, checksOfSurface, checksOfSign, checksOfFields, checksOfFrames})
-    for (const Check& check : part())
-      if (check.name != std::string(kLargeInputs))  // They have more accesses than the log holds.
-        for (const std::string& race : racesIn(check.name, [&] { check.run(subject); }))
-          ADD_FAILURE() << race;
+  for (const Check& check : allChecks())
+    if (check.name != std::string(kLargeInputs))  // They have more accesses than the log holds.
+      for (const std::string& race : racesIn(check.name, [&] { check.run(subject); })) ADD_FAILURE() << race;
   for (const Shader& shader : shaders::kAll)
     EXPECT_TRUE(kernels_.contains(std::string(shader.name))) << shader.name << " did not run";
 }

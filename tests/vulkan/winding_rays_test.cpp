@@ -13,7 +13,6 @@ namespace {
 
 void expectTwins(const Mesh& mesh, const Grid& grid) {
   const CellMesh cells = cellMesh(mesh, grid);
-  compareCrossings(VulkanTest::kept<SignProbe>(), cells);
   for (const SignMode mode : {SignMode::Rays, SignMode::Ray})
     compareRays(VulkanTest::kept<SignProbe>(), cells, mode);
 }

@@ -11,12 +11,8 @@
 
 namespace raymap::vulkan {
 
-struct TransformResult {
-  Buffer<float> squared;
-  Buffer<uint32_t> cells;
-};
-
-struct RefineResult {
+/// Results of all stages; of a distance transform alone, one level without lists.
+struct CellResult {
   std::vector<cpu::CellLevel> levels;
   Buffer<float> distance;
   Buffer<uint32_t> triangle;
@@ -37,20 +33,8 @@ class CellProbe : public Probe {
     return toLists(grid);
   }
 
-  Buffer<float> cellDistance(const CellMesh& mesh, const CellLattice& cells) {
-    const UploadedMesh uploaded = upload(mesh);
-    CellStages& on = level(0);
-    const auto reserve = [&](const ListSizes& lists) {
-      on.reserve(cells, uploaded.addresses().triangleCount, lists);
-    };
-    runUntilItFits(on.grid, reserve, [&](Commands& commands) {
-      on.grid.record(commands, uploaded.addresses());
-      on.distance.record(commands, uploaded.addresses(), on.grid);
-    });
-    return downloadBuffer<float>(on.distance.squared());
-  }
-
-  TransformResult transform(const glm::ivec3& dims, const Buffer<float>& squared) {
+  /// Returns a level without lists.
+  cpu::CellLevel transform(const glm::ivec3& dims, const Buffer<float>& squared) {
     DistanceTransformStage& transform = level(0).transform;
     const DeviceBuffer values = upload(squared, "squared");
     transform.reserve(dims);
@@ -59,74 +43,43 @@ class CellProbe : public Probe {
     return transformed(dims, squared, transform);
   }
 
-  RefineResult refine(const CellMesh& mesh, int reach) {
+  CellResult refine(const CellMesh& mesh, int reach) {
     const UploadedMesh uploaded = upload(mesh);
-    const auto triangles = uploaded.addresses();
-    const std::vector<CellLattice> lattices = coverMesh(mesh);
-    for (size_t l = 0; l < lattices.size(); ++l) {
-      CellStages& on = level(l);
-      const auto reserve = [&](const ListSizes& lists) {
-        on.reserve(lattices[l], triangles.triangleCount, lists);
-      };
-      runUntilItFits(on.grid, reserve, [&](Commands& commands) {
-        on.grid.record(commands, triangles);
-        on.distance.record(commands, triangles, on.grid);
-        on.transform.record(commands, on.distance.squared().address());
-      });
-    }
-    std::vector<CellLevelData> data;
-    for (size_t l = 0; l < lattices.size(); ++l) data.push_back(level(l).data());
-    DeviceBuffer distance(device(), "distance"), triangle(device(), "triangle");
-    distance.resize<float>(CellLattice{mesh.dims}.count());
-    triangle.resize<uint32_t>(CellLattice{mesh.dims}.count());
-    refine_.reserve(mesh.dims, triangles.triangleCount, data);
+    const std::vector<CellLevelData> levels = runLevels(mesh, uploaded.addresses(), true);
+    const DeviceBuffer distance = room<float>(CellLattice{mesh.dims}.count(), "distance"),
+                       triangle = room<uint32_t>(CellLattice{mesh.dims}.count(), "triangle");
+    refine_.reserve(mesh.dims, uploaded.addresses().triangleCount, levels);
     run([&](Commands& commands) {
-      refine_.record(commands, triangles,
+      refine_.record(commands, uploaded.addresses(),
                      {.distance = distance.address(),
                       .triangle = triangle.address(),
                       .scratch = level(0).transform.scratch()},
                      reach);
     });
-    RefineResult result{.distance = downloadBuffer<float>(distance),
-                        .triangle = downloadBuffer<uint32_t>(triangle)};
-    for (size_t l = 0; l < lattices.size(); ++l) result.levels.push_back(onTheCpu(level(l)));
+    CellResult result{.distance = downloadBuffer<float>(distance),
+                      .triangle = downloadBuffer<uint32_t>(triangle)};
+    for (size_t l = 0; l < levels.size(); ++l) {
+      const CellStages& on = level(l);
+      result.levels.push_back(
+          transformed(on.grid.lattice().dims, downloadBuffer<float>(on.distance.squared()), on.transform));
+      result.levels.back().grid = toLists(on.grid);
+    }
     return result;
   }
 
-  /// Returns the levels before the distance transform.
-  std::vector<cpu::CellLevel> rasterize(const CellMesh& mesh) {
+  /// Returns levels as they are before the distance transform.
+  CellResult rasterDistance(const CellMesh& mesh) {
     const UploadedMesh uploaded = upload(mesh);
-    std::vector<cpu::CellLevel> result;
-    for (const CellLattice& cells : coverMesh(mesh)) {
-      CellStages& on = level(result.size());
-      const auto reserve = [&](const ListSizes& lists) {
-        on.reserve(cells, uploaded.addresses().triangleCount, lists, false);
-      };
-      runUntilItFits(on.grid, reserve, [&](Commands& commands) {
-        on.grid.record(commands, uploaded.addresses());
-        on.distance.record(commands, uploaded.addresses(), on.grid);
-      });
-      result.emplace_back().grid.cells = cells;
-      result.back().squared = downloadBuffer<float>(on.distance.squared());
+    const std::vector<CellLevelData> levels = runLevels(mesh, uploaded.addresses(), false);
+    const DeviceBuffer distance = room<float>(CellLattice{mesh.dims}.count(), "distance");
+    samples_.reserve(mesh.dims, levels);
+    run([&](Commands& commands) { samples_.record(commands, distance.address()); });
+    CellResult result{.distance = downloadBuffer<float>(distance)};
+    for (size_t l = 0; l < levels.size(); ++l) {
+      result.levels.emplace_back().grid.cells = level(l).grid.lattice();
+      result.levels.back().squared = downloadBuffer<float>(level(l).distance.squared());
     }
     return result;
-  }
-
-  Buffer<float> rasterDistance(const CellMesh& mesh) {
-    std::vector<CellLevelData> data;
-    for (const cpu::CellLevel& rasterized : rasterize(mesh)) {
-      CellStages& on = level(data.size());
-      on.transform.reserve(rasterized.grid.cells.dims);
-      data.push_back(on.data());
-    }
-    DeviceBuffer distance(device(), "distance");
-    distance.resize<float>(CellLattice{mesh.dims}.count());
-    samples_.reserve(mesh.dims, data);
-    run([&](Commands& commands) {
-      for (size_t l = 0; l < data.size(); ++l) level(l).transform.record(commands, data[l].squared);
-      samples_.record(commands, distance.address());
-    });
-    return downloadBuffer<float>(distance);
   }
 
   /// Runs what `record` records until the stage's lists fit into their memory. Returns the number of runs.
@@ -181,13 +134,32 @@ class CellProbe : public Probe {
     return toBuffer(download<T>(buffer));
   }
 
+  /// Runs the stages up to the distance transform on the lattices that cover a mesh.
+  std::vector<CellLevelData> runLevels(const CellMesh& mesh, const DeviceMesh& triangles, bool hasLists) {
+    std::vector<CellLevelData> levels;
+    for (const CellLattice& cells : coverMesh(mesh)) {
+      CellStages& on = level(levels.size());
+      const auto reserve = [&](const ListSizes& lists) {
+        on.reserve(cells, triangles.triangleCount, lists, hasLists);
+      };
+      runUntilItFits(on.grid, reserve, [&](Commands& commands) {
+        on.grid.record(commands, triangles);
+        on.distance.record(commands, triangles, on.grid);
+        on.transform.record(commands, on.distance.squared().address());
+      });
+      levels.push_back(on.data());
+    }
+    return levels;
+  }
+
   /// Adds the values that the formula in vulkan/stages/distance_transform.h gives.
-  TransformResult transformed(const glm::ivec3& dims, const Buffer<float>& squared,
-                              const DistanceTransformStage& transform) const {
-    TransformResult result{squared.clone(), downloadBuffer<uint32_t>(transform.nearestCells())};
+  cpu::CellLevel transformed(const glm::ivec3& dims, const Buffer<float>& squared,
+                             const DistanceTransformStage& transform) const {
+    cpu::CellLevel result{.squared = squared.clone(),
+                          .nearestCell = downloadBuffer<uint32_t>(transform.nearestCells())};
     const CellLattice cells{dims};
     for (size_t p = 0; p < squared.size(); ++p) {
-      const uint32_t nearest = result.cells[p];
+      const uint32_t nearest = result.nearestCell[p];
       if (nearest == kNoCell) continue;
       require(nearest < squared.size(), "cell " + textOf(p) + " has cell " + textOf(nearest) + " of " +
                                             textOf(squared.size()) + " as the nearest");
@@ -202,12 +174,6 @@ class CellProbe : public Probe {
     while (levels_.size() <= number) levels_.push_back(std::make_unique<CellStages>(device()));
     return *levels_[number];
   }
-  cpu::CellLevel onTheCpu(const CellStages& on) const {
-    TransformResult result =
-        transformed(on.grid.lattice().dims, downloadBuffer<float>(on.distance.squared()), on.transform);
-    return {toLists(on.grid), std::move(result.squared), std::move(result.cells)};
-  }
-
   std::vector<std::unique_ptr<CellStages>> levels_;
   RefineStage refine_{device()};
   RasterDistanceStage samples_{device()};

@@ -37,12 +37,35 @@ inline std::string nameOf(const CellMesh& mesh) {
   return textOf(mesh.triangles.size()) + " triangles in " + textOf(mesh.dims, " x ");
 }
 
-// In the order of the stages: each relies on those before it.
-std::span<const Check> checksOfPrimitives();
-std::span<const Check> checksOfCells();
-std::span<const Check> checksOfSurface();
-std::span<const Check> checksOfSign();
-std::span<const Check> checksOfFields();
-std::span<const Check> checksOfFrames();
+/// Returns all checks in the order of the stages: each relies on those before it.
+std::span<const Check> allChecks();
+
+void checkScan(Subject& subject);
+void checkRadixSort(Subject& subject);
+void checkCellMesh(Subject& subject);
+void checkVoxelGrid(Subject& subject);
+void checkTransform(Subject& subject);
+void checkRasterDistance(Subject& subject);
+void checkRefine(Subject& subject);
+void checkLargeInputs(Subject& subject);
+void checkSurfaceTree(Subject& subject);
+void checkExactDistance(Subject& subject);
+void checkDipoles(Subject& subject);
+void checkFaceSearch(Subject& subject);
+void checkRays(Subject& subject);
+void checkHarmonic(Subject& subject);
+void checkRims(Subject& subject);
+void checkPaths(Subject& subject);
+void checkOrientation(Subject& subject);
+void checkCloseHoles(Subject& subject);
+void checkFinish(Subject& subject);
+void checkDefault(Subject& subject);
+void checkQuick(Subject& subject);
+void checkModes(Subject& subject);
+void checkTurns(Subject& subject);
+void checkHoles(Subject& subject);
+void checkSkin(Subject& subject);
+void checkFieldImage(Subject& subject);
+void checkRenderField(Subject& subject);
 
 }  // namespace raymap::vulkan

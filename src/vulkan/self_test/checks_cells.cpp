@@ -20,7 +20,7 @@ double allowedIn(const CellMesh& mesh) {
 }
 
 /// Checks the closest triangles, which may differ where they are equally far away but for rounding.
-void requireClosest(const CellMesh& mesh, const RefineResult& result) {
+void requireClosest(const CellMesh& mesh, const CellResult& result) {
   std::vector<float> distances;
   for (size_t s = 0; s < result.triangle.size(); ++s) {
     const uint32_t t = result.triangle[s];
@@ -76,6 +76,8 @@ void compareCellMesh(Subject& subject, int count, double far) {
   });
 }
 
+}  // namespace
+
 void checkCellMesh(Subject& subject) {
   for (const double far : {0.0, 12345.678, 1e9}) compareCellMesh(subject, 600, far);
 }
@@ -83,11 +85,6 @@ void checkCellMesh(Subject& subject) {
 void checkVoxelGrid(Subject& subject) {
   for (const OwnCellMesh& mesh : cellMeshes())
     for (const CellLattice& cells : coverMesh(mesh)) compareVoxelGrid(subject.cells, mesh, cells);
-}
-
-void checkCellDistance(Subject& subject) {
-  for (const OwnCellMesh& mesh : cellMeshes())
-    for (const CellLattice& cells : coverMesh(mesh)) compareCellDistance(subject.cells, mesh, cells);
 }
 
 void checkTransform(Subject& subject) {
@@ -127,8 +124,6 @@ void checkRasterDistance(Subject& subject) {
   for (const OwnCellMesh& mesh : cellMeshes()) compareRasterDistance(subject.cells, mesh);
 }
 
-}  // namespace
-
 void compareVoxelGrid(CellProbe& probe, const CellMesh& mesh, const CellLattice& cells) {
   Progress progress;
   cpu::VoxelGrid expected;
@@ -139,15 +134,6 @@ void compareVoxelGrid(CellProbe& probe, const CellMesh& mesh, const CellLattice&
   });
 }
 
-void compareCellDistance(CellProbe& probe, const CellMesh& mesh, const CellLattice& cells) {
-  Progress progress;
-  cpu::VoxelGrid grid;
-  buildVoxelGrid(mesh, cells, SIZE_MAX, progress, grid);
-  Buffer<float> expected;
-  computeCellDistance(mesh, grid, progress, expected);
-  inCase(nameOf(mesh), [&] { requireEqual("squared distances", probe.cellDistance(mesh, cells), expected); });
-}
-
 void compareTransform(CellProbe& probe, const glm::ivec3& dims, const Buffer<float>& squared) {
   Progress progress;
   Buffer<float> expected = squared.clone();
@@ -155,8 +141,8 @@ void compareTransform(CellProbe& probe, const glm::ivec3& dims, const Buffer<flo
   cpu::transformDistance(dims, progress, expected, nearest);
   inCase(textOf(dims, " x ") + " cells", [&] {
     for (const char* when : {"", " the second time"}) {
-      const TransformResult result = probe.transform(dims, squared);
-      requireEqual(std::string("nearest cells") + when, result.cells, nearest);
+      const cpu::CellLevel result = probe.transform(dims, squared);
+      requireEqual(std::string("nearest cells") + when, result.nearestCell, nearest);
       requireEqual(std::string("squared distances") + when, result.squared, expected);
     }
   });
@@ -167,7 +153,7 @@ void compareRefine(CellProbe& probe, const CellMesh& mesh, int reach) {
   const std::vector<cpu::CellLevel> levels = nearestCells(mesh);
   Buffer<float> expected;
   refineDistance(mesh, levels, reach, progress, expected, nullptr);
-  const RefineResult result = probe.refine(mesh, reach);
+  const CellResult result = probe.refine(mesh, reach);
   inCase(nameOf(mesh), [&] {
     for (size_t l = 0; l < levels.size(); ++l) {
       const std::string name = "level " + textOf(l) + ", ";
@@ -182,30 +168,17 @@ void compareRefine(CellProbe& probe, const CellMesh& mesh, int reach) {
 
 void compareRasterDistance(CellProbe& probe, const CellMesh& mesh) {
   Progress progress;
-  std::vector<cpu::CellLevel> levels;
+  Buffer<float> expected;
+  CellResult result = probe.rasterDistance(mesh);
   inCase(nameOf(mesh), [&] {
-    for (cpu::CellLevel& level : probe.rasterize(mesh)) {
-      Buffer<float> expected;
+    for (cpu::CellLevel& level : result.levels) {
       cpu::rasterizeDistance(mesh, level.grid.cells, progress, expected);
       requireEqual("squared distances", level.squared, expected);
       cpu::transformDistance(level.grid.cells.dims, progress, level.squared, level.nearestCell);
-      levels.push_back(std::move(level));
     }
-    Buffer<float> expected;
-    sampleRasterDistance(mesh.dims, levels, progress, expected);
-    requireNear("distances", probe.rasterDistance(mesh), expected, allowedIn(mesh), kAllowed);
+    sampleRasterDistance(mesh.dims, result.levels, progress, expected);
+    requireNear("distances", result.distance, expected, allowedIn(mesh), kAllowed);
   });
-}
-
-std::span<const Check> checksOfCells() {
-  static constexpr Check kChecks[] = {{"cell_mesh", checkCellMesh},
-                                      {"voxel_grid", checkVoxelGrid},
-                                      {"cell_distance", checkCellDistance},
-                                      {"distance_transform", checkTransform},
-                                      {"refine", checkRefine},
-                                      {"raster_distance", checkRasterDistance},
-                                      {kLargeInputs, checkLargeInputs}};
-  return kChecks;
 }
 
 }  // namespace raymap::vulkan

@@ -40,17 +40,6 @@ void requireSameStats(const Stats& ours, const Stats& theirs) {
   requireNear("area of the patch", std::vector{ours.patchArea}, std::vector{theirs.patchArea}, 0.0, 1e-4);
 }
 
-struct NamedMesh {
-  const char* name;
-  Mesh mesh;
-};
-
-Mesh flipped(Mesh mesh, size_t every) {
-  for (size_t t = 0; t < mesh.triangles.size(); t += every)
-    std::swap(mesh.triangles[t].y, mesh.triangles[t].z);
-  return mesh;
-}
-
 Mesh withDegenerate(Mesh mesh) {
   mesh.triangles.insert(mesh.triangles.begin(), {{0, 0, 0}, {0, 1, 1}, {2, 3, 2}});
   return mesh;
@@ -62,7 +51,7 @@ Mesh underALargeTriangle() {
   return shapes::joined(shapes::sphere(1.0, 2), makeMesh(corners, {{0, 1, 2}}));
 }
 
-std::vector<NamedMesh> meshes() {
+std::vector<std::pair<const char*, Mesh>> meshes() {
   return {{"sphere", shapes::sphere(1.0, 3)},
           {"torus", shapes::torus(1.0, 0.3, 40, 20)},
           {"soup", shapes::soup(150, 3)},
@@ -72,20 +61,22 @@ std::vector<NamedMesh> meshes() {
           {"crowded cells", shapes::joined(shapes::sphere(0.01, 3, {0.4, 0.5, 0.5}), shapes::soup(3, 1))}};
 }
 
-void checkDefault(Subject& subject) {
+void compareAll(Subject& subject, int resolution, const FieldOptions& options) {
   for (const auto& [name, mesh] : meshes())
-    compareFields(subject.backend, name, mesh, {.resolution = 20}, {});
+    compareFields(subject.backend, name, mesh, {.resolution = resolution}, options);
   const GridOptions box{.resolution = 16, .box = Box{glm::dvec3(-1.5), glm::dvec3(1.5)}};
-  compareFields(subject.backend, "large triangle", underALargeTriangle(), box, {});
+  compareFields(subject.backend, "large triangle", underALargeTriangle(), box, options);
+}
+
+}  // namespace
+
+void checkDefault(Subject& subject) {
+  compareAll(subject, 20, {});
   compareFields(subject.backend, "band", holedSphere(), {.resolution = 20}, {.band = 3.0});
 }
 
 void checkQuick(Subject& subject) {
-  const FieldOptions quick{.distance = DistanceMode::Cell, .sign = SignMode::Rays};
-  for (const auto& [name, mesh] : meshes())
-    compareFields(subject.backend, name, mesh, {.resolution = 24}, quick);
-  const GridOptions box{.resolution = 16, .box = Box{glm::dvec3(-1.5), glm::dvec3(1.5)}};
-  compareFields(subject.backend, "large triangle", underALargeTriangle(), box, quick);
+  compareAll(subject, 24, {.distance = DistanceMode::Cell, .sign = SignMode::Rays});
 }
 
 void checkModes(Subject& subject) {
@@ -103,8 +94,9 @@ void checkModes(Subject& subject) {
 }
 
 void checkTurns(Subject& subject) {
-  compareFields(subject.backend, "every third face", flipped(holedSphere(), 3), {.resolution = 20}, {});
-  compareFields(subject.backend, "repair", flipped(holedSphere(), 7), {.resolution = 20},
+  compareFields(subject.backend, "a third of the faces", withFlippedFaces(holedSphere(), 1.0 / 3.0, 1),
+                {.resolution = 20}, {});
+  compareFields(subject.backend, "repair", withFlippedFaces(holedSphere(), 1.0 / 7.0, 1), {.resolution = 20},
                 {.sign = SignMode::Paths, .orientation = Orientation::Repair});
 }
 
@@ -115,8 +107,6 @@ void checkHoles(Subject& subject) {
   compareFields(subject.backend, "torn torus, cell", ring, {.resolution = 24},
                 {.distance = DistanceMode::Cell, .sign = SignMode::Paths, .closeHoles = true});
 }
-
-}  // namespace
 
 Made makeField(Backend& backend, const Mesh& mesh, const Grid& grid, const FieldOptions& options) {
   return make(backend, mesh, grid, options);
@@ -160,15 +150,6 @@ Stats compareFields(Backend& backend, const std::string& name, const Mesh& mesh,
     requireNear("confidences", ours.field.confidence, theirs.field.confidence, allowed);
   });
   return theirs.stats;
-}
-
-std::span<const Check> checksOfFields() {
-  static constexpr Check kChecks[] = {{"default fields", checkDefault},
-                                      {"quick fields", checkQuick},
-                                      {"fields of other modes", checkModes},
-                                      {"fields of turned faces", checkTurns},
-                                      {"fields with closed holes", checkHoles}};
-  return kChecks;
 }
 
 }  // namespace raymap::vulkan

@@ -28,17 +28,6 @@ bool isLost(const AnimatedMesh& mesh, size_t vertex, size_t jointCount) {
   return false;
 }
 
-void checkSkin(Subject& subject) {
-  const AnimatedMesh mesh = wanderers(shapes::sphere(1.0, 3), 5);
-  compareSkin(subject.probe, mesh, 0.0);
-  std::vector<JointMatrix> matrices = jointMatrices(mesh, 0.0);
-  matrices.pop_back();
-  const std::vector<glm::vec3> moved = movedVertices(subject.probe, mesh, matrices);
-  for (size_t v = 0; v < moved.size(); ++v)
-    require(std::isnan(moved[v].x) == isLost(mesh, v, matrices.size()),
-            "vertex " + textOf(v) + " is " + textOf(moved[v]) + " without the last joint");
-}
-
 /// Makes the same field in an image, and returns a copy of its texels.
 template <class Texel>
 DeviceBuffer texelsOf(const Probe& probe, FrameBackend& frames, VkFormat format, const Mesh& mesh,
@@ -67,20 +56,6 @@ DeviceBuffer texelsOf(const Probe& probe, FrameBackend& frames, VkFormat format,
   return texels;
 }
 
-void checkFieldImage(Subject& subject) {
-  const Mesh mesh = shapes::torus(1.0, 0.4, 20, 12);
-  const Grid grid = fitGrid(mesh, {.resolution = 15});
-  const FieldOptions options{.orientation = Orientation::Keep};  // As frames do.
-  const Field field = makeField(subject.backend, mesh, grid, options).field;
-  FrameBackend frames(subject.probe.device());
-  const DeviceBuffer floats =
-      texelsOf<float>(subject.probe, frames, VK_FORMAT_R32_SFLOAT, mesh, grid, options);
-  requireEqual("texels", floats.mapped<float>(), field.distance);
-  const DeviceBuffer halves =
-      texelsOf<uint16_t>(subject.probe, frames, VK_FORMAT_R16_SFLOAT, mesh, grid, options);
-  requireNearestHalves(halves.mapped<uint16_t>(), field.distance);
-}
-
 /// Returns the field of a box without a ball at one corner.
 Field notchedBox(int side, double band) {
   Field field{.grid = {glm::ivec3(side), glm::dvec3(-1.0), 2.0 / (side - 1)}, .clampDistance = band};
@@ -93,6 +68,33 @@ Field notchedBox(int side, double band) {
     field.distance[s] = float(band > 0.0 ? std::clamp(d, -band, band) : d);
   }
   return field;
+}
+
+}  // namespace
+
+void checkSkin(Subject& subject) {
+  const AnimatedMesh mesh = wanderers(shapes::sphere(1.0, 3), 5);
+  compareSkin(subject.probe, mesh, 0.0);
+  std::vector<JointMatrix> matrices = jointMatrices(mesh, 0.0);
+  matrices.pop_back();
+  const std::vector<glm::vec3> moved = movedVertices(subject.probe, mesh, matrices);
+  for (size_t v = 0; v < moved.size(); ++v)
+    require(std::isnan(moved[v].x) == isLost(mesh, v, matrices.size()),
+            "vertex " + textOf(v) + " is " + textOf(moved[v]) + " without the last joint");
+}
+
+void checkFieldImage(Subject& subject) {
+  const Mesh mesh = shapes::torus(1.0, 0.4, 20, 12);
+  const Grid grid = fitGrid(mesh, {.resolution = 15});
+  const FieldOptions options{.orientation = Orientation::Keep};  // As frames do.
+  const Field field = makeField(subject.backend, mesh, grid, options).field;
+  FrameBackend frames(subject.probe.device());
+  const DeviceBuffer floats =
+      texelsOf<float>(subject.probe, frames, VK_FORMAT_R32_SFLOAT, mesh, grid, options);
+  requireEqual("texels", floats.mapped<float>(), field.distance);
+  const DeviceBuffer halves =
+      texelsOf<uint16_t>(subject.probe, frames, VK_FORMAT_R16_SFLOAT, mesh, grid, options);
+  requireNearestHalves(halves.mapped<uint16_t>(), field.distance);
 }
 
 void checkRenderField(Subject& subject) {
@@ -112,8 +114,6 @@ void checkRenderField(Subject& subject) {
   compare("clamped", notchedBox(32, 0.2), {.direction = {1.0, -0.5, 0.4}});
   compare("narrow band", toSparse(notchedBox(48, 0.0)), {.direction = {1.0, -0.5, 0.4}});
 }
-
-}  // namespace
 
 AnimatedMesh wanderers(Mesh rest, uint16_t joints) {
   std::mt19937 random(7);
@@ -144,8 +144,7 @@ std::vector<glm::vec3> movedVertices(const Probe& probe, const AnimatedMesh& mes
   const auto count = uint32_t(mesh.rest.vertices.size());
   const DeviceBuffer rest = probe.upload(mesh.rest.vertices), joints = probe.upload(mesh.joints),
                      weights = probe.upload(mesh.weights), palette = probe.upload(matrices);
-  DeviceBuffer moved(probe.device(), "moved");
-  moved.resize<glm::vec3>(count);
+  const DeviceBuffer moved = probe.room<glm::vec3>(count, "moved");
   SkinStage skin(probe.device());
   probe.run([&](Commands& commands) {
     skin.record(commands,
@@ -196,12 +195,6 @@ void requireSamePicture(const Picture& ours, const Picture& theirs) {
   for (const double sum : sums)
     require(sum <= 0.1 * double(pixels),
             "a colour differs by " + textOf(sum / double(pixels)) + " on average");
-}
-
-std::span<const Check> checksOfFrames() {
-  static constexpr Check kChecks[] = {
-      {"skin", checkSkin}, {"field_image", checkFieldImage}, {"render_field", checkRenderField}};
-  return kChecks;
 }
 
 }  // namespace raymap::vulkan

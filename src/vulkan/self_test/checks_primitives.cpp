@@ -28,6 +28,8 @@ std::vector<uint32_t> randomKeys(uint32_t count, uint32_t bits) {
 // Sizes about those of groups, tiles and blocks.
 constexpr uint32_t kSizes[] = {1, 255, 257, 4097, 65537};
 
+}  // namespace
+
 void checkScan(Subject& subject) {
   for (const uint32_t size : kSizes) compareScan(subject.probe, size);
 }
@@ -39,16 +41,13 @@ void checkRadixSort(Subject& subject) {
   }
 }
 
-}  // namespace
-
 void compareScan(const Probe& probe, uint32_t count) {
   std::vector<uint32_t> values = randomValues(count);
   values.push_back(0xDEADBEEF);  // Space for the total, so that the sums can replace the values.
   std::vector<uint32_t> expected(values);
   std::exclusive_scan(values.begin(), values.end(), expected.begin(), 0U);
   const DeviceBuffer in = probe.upload(values, "values"), inPlace = probe.upload(values, "values");
-  DeviceBuffer out(probe.device(), "sums");
-  out.resize<uint32_t>(values.size());
+  const DeviceBuffer out = probe.room<uint32_t>(values.size(), "sums");
   Scan scan(probe.device());
   scan.reserve(count);
   const auto sumsOf = [&](const DeviceBuffer& from, const DeviceBuffer& to) {
@@ -87,11 +86,6 @@ void compareRadixSort(const Probe& probe, uint32_t count, uint32_t bits) {
     requireEqual("keys", probe.download<uint32_t>(result[0]), expected);
     requireEqual("values", probe.download<uint32_t>(result[1]), values);
   });
-}
-
-std::span<const Check> checksOfPrimitives() {
-  static constexpr Check kChecks[] = {{"scan", checkScan}, {"radix_sort", checkRadixSort}};
-  return kChecks;
 }
 
 }  // namespace raymap::vulkan

@@ -1,5 +1,6 @@
 #include <cmath>
 
+#include "cpu/distance/finish.h"
 #include "cpu/sign/close_holes.h"
 #include "cpu/sign/orientation.h"
 #include "cpu/sign/sign.h"
@@ -75,9 +76,27 @@ std::vector<OwnCellMesh> rayMeshes() {
   return meshes;
 }
 
-void checkCrossings(Subject& subject) {
-  for (const OwnCellMesh& mesh : rayMeshes()) compareCrossings(subject.signs, mesh);
+/// Returns a bent strip and an open box whose edges lie on lattice lines, where rays meet rims.
+Mesh openSurfaces() {
+  Mesh mesh = shapes::box({3, 2, 3}, {9, 8, 7});
+  mesh.triangles.resize(mesh.triangles.size() - 2);
+  const std::vector<glm::dvec3> p{{14, 3, 2.5}, {14.3, 9, 3}, {16, 3, 5.5},
+                                  {15.5, 9, 5}, {19, 3, 4},   {18, 9, 6.5}};
+  return shapes::joined(mesh, makeMesh(p, {{0, 1, 2}, {2, 1, 3}, {2, 3, 4}, {4, 3, 5}}));
 }
+
+/// Numbers of samples whose rays all meet rims, or pass them closely, are less exact in single precision.
+void requireRimNumbers(const std::string& what, const std::vector<float>& found,
+                       const Buffer<float>& expected) {
+  requireNear(what, found, expected, 0.02);
+  size_t inexact = 0;
+  for (size_t s = 0; s < found.size(); ++s) inexact += std::abs(found[s] - expected[s]) > 5e-5f ? 1 : 0;
+  if (100 * inexact > found.size())
+    throw Difference(what + ": " + std::to_string(inexact) + " of " + std::to_string(found.size()) +
+                     " differ by more than 5e-5");
+}
+
+}  // namespace
 
 void checkRays(Subject& subject) {
   for (const OwnCellMesh& mesh : rayMeshes())
@@ -88,15 +107,6 @@ void checkHarmonic(Subject& subject) {
   WindingHarmonicStage stage(subject.probe.device());
   for (const glm::ivec3 dims : {glm::ivec3(33, 20, 41), glm::ivec3(1, 9, 30)})
     compareHarmonic(subject.probe, stage, rayMapOf(soupIn(dims, 0.03)));
-}
-
-/// Returns a bent strip and an open box whose edges lie on lattice lines, where rays meet rims.
-Mesh openSurfaces() {
-  Mesh mesh = shapes::box({3, 2, 3}, {9, 8, 7});
-  mesh.triangles.resize(mesh.triangles.size() - 2);
-  const std::vector<glm::dvec3> p{{14, 3, 2.5}, {14.3, 9, 3}, {16, 3, 5.5},
-                                  {15.5, 9, 5}, {19, 3, 4},   {18, 9, 6.5}};
-  return shapes::joined(mesh, makeMesh(p, {{0, 1, 2}, {2, 1, 3}, {2, 3, 4}, {4, 3, 5}}));
 }
 
 void checkRims(Subject& subject) {
@@ -157,58 +167,56 @@ void checkCloseHoles(Subject& subject) {
   compareMissingEdges(subject.probe, stage, mesh, randomField(mesh.dims));
 }
 
-void checkSign(Subject& subject) {
+void checkFinish(Subject& subject) {
   const Probe& probe = subject.probe;
   const glm::ivec3 dims(21, 13, 17);
   const cpu::RayMap map = rayMapOf(soupIn(dims, 0.05, 60));
   const UploadedRays rays(probe, map);
-  Buffer<float> values(CellLattice{dims}.count());
-  for (size_t i = 0; i < values.size(); ++i) values[i] = 0.1f * (float(i % 27) - 13.0f);
+  Buffer<float> values(CellLattice{dims}.count()), distances(values.size()), confidences;
+  for (size_t i = 0; i < values.size(); ++i) {
+    values[i] = 0.1f * (float(i % 27) - 13.0f);
+    distances[i] = 0.25f * float(i % 20);
+  }
   values[5] = 0.5f;
   const DeviceBuffer winding = probe.upload(values, "winding");
   FinishStage finish(probe.device());
-  for (const double threshold : {0.3, 0.5, 1.2})
-    for (const bool isInverted : {false, true}) {
-      Buffer<float> expected(values.size()), confidences;
-      std::ranges::fill(expected, 2.5f);
-      const DeviceBuffer distance = probe.upload(expected, "distance"),
-                         confidence = probe.upload(expected, "confidence");
-      probe.run([&](Commands& commands) {
-        finish.record(commands,
-                      {.rays = rays.addresses(),
-                       .winding = winding.address(),
-                       .distance = distance.address(),
-                       .confidence = confidence.address()},
-                      glm::uvec3(dims), {.threshold = threshold, .isInverted = isInverted});
-      });
-      cpu::applySign(values, threshold, isInverted, expected);
-      computeConfidence(map, values, threshold, confidences);
-      requireEqual("signed distances", probe.download<float>(distance), expected);
+  const auto compare = [&](bool hasSign, const FinishStage::Options& options) {
+    Buffer<float> expected = distances.clone();
+    const DeviceBuffer distance = probe.upload(expected, "distance"),
+                       confidence = probe.upload(expected, "confidence");
+    FinishStage::Fields fields{.distance = distance.address()};
+    if (hasSign) fields = {rays.addresses(), winding.address(), distance.address(), confidence.address()};
+    probe.run([&](Commands& commands) { finish.record(commands, fields, glm::uvec3(dims), options); });
+    if (hasSign) {
+      cpu::applySign(values, options.threshold, options.isInverted, expected);
+      computeConfidence(map, values, options.threshold, confidences);
       requireNear("confidences", probe.download<float>(confidence), confidences, 1e-6);
     }
-}
-
-}  // namespace
-
-void compareCrossings(SignProbe& probe, const CellMesh& mesh) {
-  const EdgeCounts expected = edgeCounts(crossingsOf(mesh), mesh.dims), found = probe.countCrossings(mesh);
-  inCase(nameOf(mesh), [&] {
-    for (size_t axis = 0; axis < 3; ++axis)
-      requireEqual("crossings along axis " + textOf(axis), found[axis], expected[axis]);
-  });
+    cpu::finishDistance(options.band, options.spacing, expected);
+    requireEqual("distances", probe.download<float>(distance), expected);
+  };
+  for (const double band : {0.0, 3.0}) {
+    compare(false, {.band = band, .spacing = 0.5});
+    for (const double threshold : {0.3, 0.5, 1.2})
+      for (const bool isInverted : {false, true}) compare(true, {threshold, isInverted, band, 0.5});
+  }
 }
 
 void compareRays(SignProbe& probe, const CellMesh& mesh, SignMode mode) {
   Progress progress;
-  const cpu::RayMap map = rayMapOf(mesh);
+  const cpu::Crossings crossings = crossingsOf(mesh);
+  cpu::RayMap map;
+  buildRayMap(mesh.dims, crossings, map);
   Buffer<float> winding;
   const size_t doubtful = (mode == SignMode::Ray ? cpu::takeOneRay : cpu::averageRays)(
       cpu::RaySweep(map), progress, 1.0, winding);
-  const EdgeCounts rays = edgeCounts(map);
+  const EdgeCounts counts = edgeCounts(crossings, mesh.dims), rays = edgeCounts(map);
   const SignResult result = probe.compute(mesh, mode);
   inCase(nameOf(mesh), [&] {
-    for (size_t axis = 0; axis < 3; ++axis)
+    for (size_t axis = 0; axis < 3; ++axis) {
+      requireEqual("crossings along axis " + textOf(axis), result.crossings[axis], counts[axis]);
       requireEqual("rays along axis " + textOf(axis), result.rays[axis], rays[axis]);
+    }
     requireEqual("winding numbers", result.winding, winding);
     require(result.doubtful == doubtful,
             textOf(result.doubtful) + " doubtful samples, not " + textOf(doubtful));
@@ -230,21 +238,6 @@ void compareHarmonic(const Probe& probe, WindingHarmonicStage& stage, const cpu:
                 expected, 2e-5);
   });
 }
-
-namespace {
-
-/// Numbers of samples whose rays all meet rims, or pass them closely, are less exact in single precision.
-void requireRimNumbers(const std::string& what, const std::vector<float>& found,
-                       const Buffer<float>& expected) {
-  requireNear(what, found, expected, 0.02);
-  size_t inexact = 0;
-  for (size_t s = 0; s < found.size(); ++s) inexact += std::abs(found[s] - expected[s]) > 5e-5f ? 1 : 0;
-  if (100 * inexact > found.size())
-    throw Difference(what + ": " + std::to_string(inexact) + " of " + std::to_string(found.size()) +
-                     " differ by more than 5e-5");
-}
-
-}  // namespace
 
 void compareRims(const Probe& probe, WindingRimsStage& stage, const glm::ivec3& dims,
                  const cpu::Crossings& crossings, const RimLattices& lattices) {
@@ -324,15 +317,6 @@ void compareMissingEdges(const Probe& probe, CloseHolesStage& stage, const CellM
   Progress progress;
   requireEqual("missing edges", numbersOf(stage.edges()),
                numbersOf(findMissingEdges(rayMapOf(mesh), winding, kThreshold, progress)));
-}
-
-std::span<const Check> checksOfSign() {
-  static constexpr Check kChecks[] = {
-      {"crossings", checkCrossings},       {"ray_map, winding_rays", checkRays},
-      {"winding_harmonic", checkHarmonic}, {"winding_rims", checkRims},
-      {"winding_paths", checkPaths},       {"orientation", checkOrientation},
-      {"close_holes", checkCloseHoles},    {"sign", checkSign}};
-  return kChecks;
 }
 
 }  // namespace raymap::vulkan

@@ -6,7 +6,6 @@
 #include "testing/reference.h"
 #include "vulkan/self_test/checks.h"
 #include "vulkan/self_test/compare.h"
-#include "vulkan/stages/finish.h"
 
 namespace raymap::vulkan {
 
@@ -57,6 +56,8 @@ std::vector<OwnCellMesh> surfaceMeshes() {
   return meshes;
 }
 
+}  // namespace
+
 void checkSurfaceTree(Subject& subject) {
   for (const OwnCellMesh& mesh : surfaceMeshes()) checkTree(subject.surface, mesh, 1e-4);
 }
@@ -78,23 +79,6 @@ void checkFaceSearch(Subject& subject) {
        {shapes::sphere(1.0, 4), open, withDoubledFaces(open, 0.15, 1), shapes::soup(300, 8)})
     compareFaceSearch(subject.probe, search, mesh);
 }
-
-void checkFinish(Subject& subject) {
-  const std::vector<float> values{-5.0f, -3.0f, -0.25f, 0.0f, 1.5f, 3.5f};
-  FinishStage finish(subject.probe.device());
-  const auto finished = [&](double band) {
-    const DeviceBuffer distance = subject.probe.upload(values, "distance");
-    subject.probe.run([&](Commands& commands) {
-      finish.record(commands, {.distance = distance.address()}, {values.size(), 1, 1},
-                    {.band = band, .spacing = 0.5});
-    });
-    return subject.probe.download<float>(distance);
-  };
-  requireEqual("distances", finished(0.0), std::vector{-2.5f, -1.5f, -0.125f, 0.0f, 0.75f, 1.75f});
-  requireEqual("distances in the band", finished(3.0), std::vector{-1.5f, -1.5f, -0.125f, 0.0f, 0.75f, 1.5f});
-}
-
-}  // namespace
 
 TreeOnHost checkTree(SurfaceProbe& probe, const CellMesh& mesh, double allowed) {
   TreeOnHost tree = probe.tree(mesh);
@@ -182,15 +166,6 @@ void compareFaceSearch(const Probe& probe, FaceSearchStage& search, const Mesh& 
   requireEqual("repeated faces", found.repeated, expected.repeated);
   require(search.faces()->size() < expected.count() + expected.repeated.size() + 10,
           "the device lists too many faces");
-}
-
-std::span<const Check> checksOfSurface() {
-  static constexpr Check kChecks[] = {{"surface_tree", checkSurfaceTree},
-                                      {"exact_distance", checkExactDistance},
-                                      {"winding_dipoles", checkDipoles},
-                                      {"face_search", checkFaceSearch},
-                                      {"finish", checkFinish}};
-  return kChecks;
 }
 
 }  // namespace raymap::vulkan

@@ -19,14 +19,12 @@
 
 namespace raymap::vulkan {
 
-/// Compares the prefix sums of random numbers, out of place, in place, and with a count of the device's.
+/// Compares the prefix sums of random numbers, out of place and in place.
 void compareScan(const Probe& probe, uint32_t count);
-/// Compares the order of random keys of one or two words by their lowest bits, and of those that are equal.
-/// If `spare` is given, only the device knows the count, which is this much below the capacity.
+/// Compares the order of random keys by their lowest bits, and of those that are equal.
 void compareRadixSort(const Probe& probe, uint32_t count, uint32_t bits);
 
 void compareVoxelGrid(CellProbe& probe, const CellMesh& mesh, const CellLattice& cells);
-void compareCellDistance(CellProbe& probe, const CellMesh& mesh, const CellLattice& cells);
 void compareTransform(CellProbe& probe, const glm::ivec3& dims, const Buffer<float>& squared);
 /// Compares the distances of every sample and the closest triangles, and all results before them.
 void compareRefine(CellProbe& probe, const CellMesh& mesh, int reach);
@@ -45,8 +43,7 @@ void searchFaces(const Probe& probe, FaceSearchStage& search, const Mesh& mesh);
 /// Compares what the host finds among what the device lists.
 void compareFaceSearch(const Probe& probe, FaceSearchStage& search, const Mesh& mesh);
 
-void compareCrossings(SignProbe& probe, const CellMesh& mesh);
-/// Compares the rays, the winding numbers and the count of doubtful samples.
+/// Compares the crossings, the rays, the winding numbers and the count of doubtful samples.
 void compareRays(SignProbe& probe, const CellMesh& mesh, SignMode mode);
 void compareHarmonic(const Probe& probe, WindingHarmonicStage& stage, const cpu::RayMap& map);
 /// Compares the numbers that follow from rims, and those that rims decide near the threshold.

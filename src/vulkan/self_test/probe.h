@@ -36,11 +36,18 @@ class Probe {
   template <std::ranges::contiguous_range Values>
   DeviceBuffer upload(const Values& values, const std::string& name = "test") const {
     using T = std::ranges::range_value_t<Values>;
-    DeviceBuffer staging(*device_, name + " upload", MemoryUse::Upload), buffer(*device_, name);
+    DeviceBuffer staging(*device_, name + " upload", MemoryUse::Upload);
     staging.resize<T>(std::ranges::size(values));
-    buffer.resize<T>(std::ranges::size(values));
+    DeviceBuffer buffer = room<T>(std::ranges::size(values), name);
     std::ranges::copy(values, staging.mapped<T>().begin());
     run([&](Commands& commands) { commands.copy(staging, buffer, buffer.bytes()); });
+    return buffer;
+  }
+
+  template <class T>
+  DeviceBuffer room(size_t count, const std::string& name) const {
+    DeviceBuffer buffer(*device_, name);
+    buffer.resize<T>(count);
     return buffer;
   }
 

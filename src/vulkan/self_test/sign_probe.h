@@ -109,8 +109,7 @@ class SignProbe : public Probe {
   SignResult compute(const CellMesh& mesh, SignMode mode = SignMode::Rays) {
     SignResult result{.crossings = countCrossings(mesh)};
     const LatticeLines lines = crossings_.lines();
-    DeviceBuffer winding(device(), "winding");
-    winding.resize<float>(size_t(mesh.dims.x) * size_t(mesh.dims.y) * size_t(mesh.dims.z));
+    const DeviceBuffer winding = room<float>(CellLattice{mesh.dims}.count(), "winding");
     run([&](Commands& commands) {
       rayMap_.record(commands, lines);
       windingRays_.record(commands, lines, mode, winding.address());

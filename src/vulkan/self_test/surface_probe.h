@@ -75,10 +75,8 @@ class SurfaceProbe : public Probe {
   }
 
   ClosestResult closest(const CellMesh& mesh, double band = 0.0) {
-    const size_t samples = CellLattice{mesh.dims}.count();
-    DeviceBuffer distance(device(), "distance"), triangle(device(), "triangle");
-    distance.resize<float>(samples);
-    triangle.resize<uint32_t>(samples);
+    const DeviceBuffer distance = room<float>(CellLattice{mesh.dims}.count(), "distance"),
+                       triangle = room<uint32_t>(CellLattice{mesh.dims}.count(), "triangle");
     exact_.reserve(mesh.dims);
     runWithTree(mesh, [&](Commands& commands, const SurfaceTreeStage& tree) {
       exact_.record(commands, tree, band, {distance.address(), triangle.address()});
