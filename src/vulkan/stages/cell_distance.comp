@@ -8,10 +8,6 @@
 
 layout(push_constant, scalar) uniform Push { CellDistancePush push; };
 
-vec3 corner(uint triangle, uint c) {
-  return readCorner(push.vertices, push.triangles, triangle, c);
-}
-
 void main() {
   const uint entry = push.firstGroup * gl_WorkGroupSize.x + invocationIndex();
   uint cell = kNoCell, squared = 0xffffffffu;  // Bits of a nonnegative float, which keep the floats' order.
@@ -19,7 +15,8 @@ void main() {
     const uint t = push.entryTriangles.at[entry];
     cell = push.entryCells.at[entry];
     const vec3 centre = cellCentre(push.cells, placeOf(cell, push.cells.dims));
-    squared = floatBitsToUint(push.perCell2 * triangleSquaredDistance(centre, corner(t, 0), corner(t, 1), corner(t, 2)));
+    const mat3 corners = cornersOf(push.vertices, push.triangles, t);
+    squared = floatBitsToUint(push.perCell2 * triangleSquaredDistance(centre, corners[0], corners[1], corners[2]));
   }
   // The entries of a crowded cell are contiguous, so each of their subgroups needs one atomic operation.
   const uint least = subgroupMin(squared);

@@ -38,9 +38,10 @@ void findBounds(vec3 low, vec3 high, inout ivec3 lowest, inout ivec3 highest) {
 
 LocalTriangle readLocalTriangle(uint triangle) {
   LocalTriangle local;
-  local.a = readCorner(push.vertices, push.triangles, triangle, 0);
-  local.b = readCorner(push.vertices, push.triangles, triangle, 1);
-  local.c = readCorner(push.vertices, push.triangles, triangle, 2);
+  const mat3 corners = cornersOf(push.vertices, push.triangles, triangle);
+  local.a = corners[0];
+  local.b = corners[1];
+  local.c = corners[2];
   ivec3 lowest = ivec3(0), highest = ivec3(0);
   findBounds(min(min(local.a, local.b), local.c), max(max(local.a, local.b), local.c), lowest, highest);
   const ivec3 dims = ivec3(push.lattice.dims);

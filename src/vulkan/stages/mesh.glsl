@@ -1,5 +1,6 @@
 // Mesh in cell units: three floats per vertex, three vertex indices per triangle.
 
-vec3 readCorner(Floats vertices, Uints triangles, uint triangle, uint corner) {
-  return vectorAt(vertices, triangles.at[3 * triangle + corner]);
+mat3 cornersOf(Floats vertices, Uints triangles, uint triangle) {
+  return mat3(vectorAt(vertices, triangles.at[3 * triangle]), vectorAt(vertices, triangles.at[3 * triangle + 1]),
+              vectorAt(vertices, triangles.at[3 * triangle + 2]));
 }

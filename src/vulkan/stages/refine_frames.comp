@@ -31,8 +31,6 @@ Triangle frameOf(vec3 p, vec3 q, vec3 r) {
 void main() {
   const uint triangle = invocationIndex();
   if (triangle >= push.triangleCount) return;
-  const vec3 a = readCorner(push.vertices, push.triangles, triangle, 0);
-  const vec3 b = readCorner(push.vertices, push.triangles, triangle, 1);
-  const vec3 c = readCorner(push.vertices, push.triangles, triangle, 2);
-  writeTriangle(push.frames, triangle, frameOf(a, b, c), triangle);
+  const mat3 corners = cornersOf(push.vertices, push.triangles, triangle);
+  writeTriangle(push.frames, triangle, frameOf(corners[0], corners[1], corners[2]), triangle);
 }

@@ -17,23 +17,9 @@ shared float depths[kRenderGroup];
 shared uint stepCounts[kRenderGroup];
 uint samplings = 0;  // Number of times that this ray sampled the field; counted only if steps are.
 
-float row(Floats samples, uint at, float share) {
-  const float low = samples.at[at];
-  return low + share * (samples.at[at + uint(push.shape.nx > 1)] - low);
-}
-
-float sheet(Floats samples, uint at, vec2 share) {
-  const float low = row(samples, at, share.x);
-  return low + share.y * (row(samples, at + (push.shape.ny > 1 ? push.shape.nx : 0), share.x) - low);
-}
-
-float between(Floats samples, vec3 q) {
-  const ivec3 dims = ivec3(push.shape.nx, push.shape.ny, push.shape.nz);
-  const ivec3 cell = min(ivec3(q), max(dims - 2, 0));
-  const vec3 share = q - vec3(cell);
-  const uint at = uint((cell.z * dims.y + cell.y) * dims.x + cell.x);
-  const float low = sheet(samples, at, share.xy);
-  return low + share.z * (sheet(samples, at + (dims.z > 1 ? uint(dims.x * dims.y) : 0), share.xy) - low);
+#include "vulkan/stages/trilinear.glsl"
+ivec3 shapeDims() {
+  return ivec3(push.shape.nx, push.shape.ny, push.shape.nz);
 }
 
 #include "picture/drawn_field.glsl"
@@ -41,7 +27,7 @@ float between(Floats samples, vec3 q) {
 float trilinear(vec3 q) {
   if (kCountsSteps != 0) ++samplings;
   bool isKnown;
-  const float value = kIsBand != 0 ? betweenLeaves(push.samples, q, isKnown) : between(push.samples, q);
+  const float value = kIsBand != 0 ? betweenLeaves(push.samples, q, isKnown) : between(push.samples, shapeDims(), q);
   return clamp(push.scale * value, -kFarthestRay, kFarthestRay);
 }
 
@@ -52,13 +38,13 @@ float plateauLength(vec3 p, vec3 direction, out float value) {
 #include "picture/shade.glsl"
 
 float valueAt(vec3 p) {
-  const vec3 q = max(vec3(0), min(p, vec3(push.shape.nx, push.shape.ny, push.shape.nz) - 1));
+  const vec3 q = max(vec3(0), min(p, vec3(shapeDims() - 1)));
   if (kIsBand != 0) {
     bool isKnown;
     const float inLeaves = betweenLeaves(push.values, q, isKnown);
     return isKnown ? inLeaves : kNotKnown;
   }
-  const float value = between(push.values, q);
+  const float value = between(push.values, shapeDims(), q);
   return push.picture.at[0].colours.isDifference != 0 ? push.scale * value - trilinear(q) : value;
 }
 

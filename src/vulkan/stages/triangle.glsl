@@ -1,9 +1,6 @@
-// Basic geometric functions. GPU twins of cpu/cells/triangle.h, with the same rounding. With
-// RAYMAP_ROUGH_DIVISION the distances are faster, but depend on how the device divides.
+// Basic geometric functions. GPU twins of cpu/cells/triangle.h, with the same rounding.
 
-#ifndef RAYMAP_ROUGH_DIVISION
 #include "vulkan/primitives/rounded_division.glsl"
-#endif
 
 float dotExactly(vec3 a, vec3 b) {
   precise const float sum = a.x * b.x + a.y * b.y + a.z * b.z;
@@ -15,14 +12,6 @@ vec3 crossExactly(vec3 a, vec3 b) {
   return product;
 }
 
-float divide(float a, float b) {
-#ifdef RAYMAP_ROUGH_DIVISION
-  return a / b;
-#else
-  return divideRounded(a, b);
-#endif
-}
-
 float squaredLength(vec3 v) {
   return dotExactly(v, v);
 }
@@ -30,7 +19,7 @@ float squaredLength(vec3 v) {
 // Returns the squared distance from the origin to the segment from a to a + e, which may be a point.
 float segmentSquaredDistance(vec3 a, vec3 e) {
   const float length2 = squaredLength(e);
-  const float t = length2 > 0.0 ? clamp(divide(-dotExactly(a, e), length2), 0.0, 1.0) : 0.0;
+  const float t = length2 > 0.0 ? clamp(divideRounded(-dotExactly(a, e), length2), 0.0, 1.0) : 0.0;
   precise const vec3 closest = a + t * e;
   return squaredLength(closest);
 }
@@ -45,7 +34,7 @@ float triangleSquaredDistance(vec3 p, vec3 a, vec3 b, vec3 c) {
   const float w = dotExactly(crossExactly(pa, ab), n);
   float inside = kLargestFloat;
   if (v >= 0.0 && w >= 0.0 && v + w <= area2 && area2 > 0.0) {
-    precise const vec3 closest = pa + divide(v, area2) * ab + divide(w, area2) * ac;
+    precise const vec3 closest = pa + divideRounded(v, area2) * ab + divideRounded(w, area2) * ac;
     inside = squaredLength(closest);
     // Except for slivers the projection is the closest point: the edges lie farther away.
     precise const float square = 1e-6 * squaredLength(ab) * squaredLength(ac);
