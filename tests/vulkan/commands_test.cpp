@@ -139,7 +139,7 @@ TEST_F(VulkanCommands, SubmitsMorePartsThanItHasBuffers) {
     Commands commands = buffer.begin();
     for (uint32_t part = 0; part < kParts; ++part) {
       commands.fill(value, first + part);
-      commands.copyPart(value, 0, seen, part * sizeof(uint32_t), sizeof(uint32_t));
+      commands.copy(value, seen.handle(), seen.offset() + part * sizeof(uint32_t), sizeof(uint32_t));
       EXPECT_EQ(buffer.submitPart(commands), part);
       if (first == 1 && part % 3 == 0) {
         buffer.waitForPart(part);

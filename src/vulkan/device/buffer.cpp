@@ -2,6 +2,8 @@
 
 #include <raymap/error.h>
 
+#include <tuple>
+
 #include "base/memory.h"
 #include "vulkan/device/scratch_memory.h"
 
@@ -79,7 +81,12 @@ void DeviceBuffer::allocate(uint64_t bytes) {
   const uint32_t type = allocateMemory();
   capacity_ = bytes;
   offset_ = guardBytes / 2;
-  if (use_ != MemoryUse::Device || device_->guards() || device_->isShared(type)) map();
+  if (use_ != MemoryUse::Device || device_->guards() || device_->isShared(type)) {
+    void* mapped = nullptr;
+    check(vkMapMemory(device_->handle(), memory_.get(), 0, VK_WHOLE_SIZE, 0, &mapped),
+          "mapping the buffer " + name_);
+    mapped_ = static_cast<std::byte*>(mapped) + offset_;
+  }
   const VkBufferDeviceAddressInfo at{.sType = VK_STRUCTURE_TYPE_BUFFER_DEVICE_ADDRESS_INFO,
                                      .buffer = handle()};
   address_ = vkGetBufferDeviceAddress(device_->handle(), &at) + offset_;
@@ -108,27 +115,13 @@ uint32_t DeviceBuffer::allocateMemory() {
   return type;
 }
 
-void DeviceBuffer::map() {
-  void* memory = nullptr;
-  check(vkMapMemory(device_->handle(), memory_.get(), 0, VK_WHOLE_SIZE, 0, &memory),
-        "mapping the buffer " + name_);
-  mapped_ = static_cast<std::byte*>(memory) + offset_;
-}
-
 void DeviceBuffer::swap(DeviceBuffer& other) noexcept {
-  std::swap(device_, other.device_);
-  std::swap(name_, other.name_);
-  std::swap(use_, other.use_);
-  std::swap(scratch_, other.scratch_);
-  std::swap(size_, other.size_);
-  std::swap(capacity_, other.capacity_);
-  std::swap(heldMemory_, other.heldMemory_);
-  std::swap(offset_, other.offset_);
-  std::swap(place_, other.place_);
-  std::swap(address_, other.address_);
-  std::swap(mapped_, other.mapped_);
-  memory_.swap(other.memory_);
-  buffer_.swap(other.buffer_);
+  const auto members = [](DeviceBuffer& b) {
+    return std::tie(b.device_, b.name_, b.use_, b.scratch_, b.size_, b.capacity_, b.heldMemory_, b.offset_,
+                    b.place_, b.address_, b.mapped_, b.memory_, b.buffer_);
+  };
+  auto ours = members(*this), theirs = members(other);
+  ours.swap(theirs);
 }
 
 }  // namespace raymap::vulkan

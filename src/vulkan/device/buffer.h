@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <span>
 #include <string>
 
@@ -37,6 +38,13 @@ class DeviceBuffer {
   void resize(uint64_t count) {
     resizeBytes(count * sizeof(T));
   }
+  /// Does so, and fills the elements. The host must see the buffer's memory.
+  template <class Values>
+  void fill(const Values& values) {
+    const std::span from(values);
+    resizeBytes(from.size_bytes());
+    std::ranges::copy(std::as_bytes(from), mapped_);
+  }
   void release();
 
   VkBuffer handle() const;
@@ -57,7 +65,6 @@ class DeviceBuffer {
   void allocate(uint64_t bytes);
   /// Returns the memory type.
   uint32_t allocateMemory();
-  void map();
   void swap(DeviceBuffer& other) noexcept;
 
   Device* device_ = nullptr;

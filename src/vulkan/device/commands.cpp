@@ -105,19 +105,12 @@ void Commands::updateBytes(const DeviceBuffer& buffer, const void* bytes, uint32
   vkCmdUpdateBuffer(buffer_, buffer.handle(), buffer.offset(), size, bytes);
 }
 
-void Commands::copy(const DeviceBuffer& from, VkBuffer to, VkDeviceSize offset, VkDeviceSize bytes) {
+void Commands::copy(const DeviceBuffer& from, VkBuffer to, VkDeviceSize offset, VkDeviceSize bytes,
+                    VkDeviceSize first) {
   if (bytes == 0) return;
   barrier();
-  const VkBufferCopy region{.srcOffset = from.offset(), .dstOffset = offset, .size = bytes};
+  const VkBufferCopy region{.srcOffset = from.offset() + first, .dstOffset = offset, .size = bytes};
   vkCmdCopyBuffer(buffer_, from.handle(), to, 1, &region);
-}
-
-void Commands::copyPart(const DeviceBuffer& from, VkDeviceSize first, const DeviceBuffer& to, VkDeviceSize at,
-                        VkDeviceSize bytes) {
-  if (bytes == 0) return;
-  barrier();
-  const VkBufferCopy region{.srcOffset = from.offset() + first, .dstOffset = to.offset() + at, .size = bytes};
-  vkCmdCopyBuffer(buffer_, from.handle(), to.handle(), 1, &region);
 }
 
 void Commands::copy(const DeviceBuffer& from, VkImage to, const VkExtent3D& extent) {

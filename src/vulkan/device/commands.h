@@ -70,10 +70,9 @@ class Commands {
   void copy(const DeviceBuffer& from, const DeviceBuffer& to, VkDeviceSize bytes) {
     copy(from, to.handle(), to.offset(), bytes);
   }
-  void copy(const DeviceBuffer& from, VkBuffer to, VkDeviceSize offset, VkDeviceSize bytes);
-  /// Copies `bytes` bytes, from byte `first` of `from` on, to byte `at` of `to` on.
-  void copyPart(const DeviceBuffer& from, VkDeviceSize first, const DeviceBuffer& to, VkDeviceSize at,
-                VkDeviceSize bytes);
+  /// Copies from byte `first` of `from` on.
+  void copy(const DeviceBuffer& from, VkBuffer to, VkDeviceSize offset, VkDeviceSize bytes,
+            VkDeviceSize first = 0);
   /// Copies to an image with one layer and one level, in VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL.
   void copy(const DeviceBuffer& from, VkImage to, const VkExtent3D& extent);
 

@@ -47,24 +47,20 @@ RadixSort::Pairs RadixSort::record(Commands& commands, Pairs pairs, Pairs other,
   if (count > reserved_) throw std::logic_error("a sort of more elements than reserved");
   if (keyBits > 32) throw std::logic_error("a sort by more bits than the keys have");
   for (uint32_t bit = 0; bit < keyBits; bit += kRadixBits) {
-    pass(commands, {.keys = pairs.keys,
-                    .values = pairs.values,
-                    .sortedKeys = other.keys,
-                    .sortedValues = other.values,
-                    .histogram = histogram_.address(),
-                    .count = count,
-                    .shift = bit,
-                    .mask = (1U << std::min(kRadixBits, keyBits - bit)) - 1});
+    const RadixSortPush push{.keys = pairs.keys,
+                             .values = pairs.values,
+                             .sortedKeys = other.keys,
+                             .sortedValues = other.values,
+                             .histogram = histogram_.address(),
+                             .count = count,
+                             .shift = bit,
+                             .mask = (1U << std::min(kRadixBits, keyBits - bit)) - 1};
+    commands.dispatch(count_, push, uint64_t{groups(count)} * groupSize_);
+    scan_.record(commands, push.histogram, push.histogram, kRadixBins * groups(count));
+    commands.dispatch(scatter_, push, uint64_t{groups(count)} * groupSize_);
     std::swap(pairs, other);
   }
   return pairs;
-}
-
-void RadixSort::pass(Commands& commands, const RadixSortPush& push) {
-  const uint64_t invocations = uint64_t{groups(push.count)} * groupSize_;
-  commands.dispatch(count_, push, invocations);
-  scan_.record(commands, push.histogram, push.histogram, kRadixBins * groups(push.count));
-  commands.dispatch(scatter_, push, invocations);
 }
 
 }  // namespace raymap::vulkan

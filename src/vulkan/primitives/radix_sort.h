@@ -24,7 +24,6 @@ class RadixSort {
   Pairs record(Commands& commands, Pairs pairs, Pairs other, uint32_t count, uint32_t keyBits);
 
  private:
-  void pass(Commands& commands, const RadixSortPush& push);
   uint32_t groups(uint32_t count) const { return (count + tile_ - 1) / tile_; }
 
   uint32_t groupSize_;

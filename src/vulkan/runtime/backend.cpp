@@ -357,10 +357,6 @@ void Backend::addPatch() {
   turnedTriangles_.release();
 }
 
-void Backend::finish() {
-  recordFinish();
-}
-
 bool Backend::complete() {
   commands().concurrent([&] {
     recordFindings({{findings_.handle(), findings_.offset()}});
@@ -392,7 +388,8 @@ uint64_t Backend::partBytes(const DeviceBuffer& result) const {
 void Backend::recordPart(const DeviceBuffer& result, uint64_t first) {
   const uint64_t each = partBytes(result);
   startStage(kReadBackStage);
-  commands().copyPart(result, first, piece_, first / each % 2 * each, std::min(each, result.bytes() - first));
+  commands().copy(result, piece_.handle(), piece_.offset() + first / each % 2 * each,
+                  std::min(each, result.bytes() - first), first);
   stopStage();
 }
 

@@ -33,7 +33,7 @@ class Backend : public StageRecorder, private RecordingListener {
   /// Lets the host look for rims if rays disagree.
   void winding(SignMode mode);
   void windingDipoles();
-  void finish();
+  void finish() { recordFinish(); }
   bool complete();
   /// Copies the results into the field. Throws the error that kept the device from computing it.
   void readResults();

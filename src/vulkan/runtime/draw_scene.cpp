@@ -58,8 +58,8 @@ struct Buffers {
     if (hasValues)
       for (DeviceBuffer* buffer : {&uploadedValues, &values}) buffer->resize<float>(samples);
     if (!leafIndex.empty()) {
-      for (DeviceBuffer* buffer : {&uploadedIndex, &index}) buffer->resize<uint32_t>(leafIndex.size());
-      std::ranges::copy(leafIndex, uploadedIndex.mapped<uint32_t>().begin());
+      uploadedIndex.fill(leafIndex);
+      index.resize<uint32_t>(leafIndex.size());
     }
     for (DeviceBuffer* buffer : {&pixels, &picture}) buffer->resize<uint32_t>(pixelCount);
   }

@@ -70,9 +70,7 @@ struct Generator::Impl {
 
   void reserve(const Room& wanted);
   void record(const FrameBackend::Frame& frame, const Grid& grid, const FieldOptions& options);
-  void makeKernels();
   VkDeviceAddress addressOf(const BufferRange& range) const;
-  CellMeshStage::Source sourceOf(const MeshBuffers& mesh) const;
 
   Device device;
   FrameBackend backend;
@@ -85,16 +83,10 @@ void Generator::Impl::reserve(const Room& wanted) {
   room.reset();
   backend.reserve(wanted);
   room = wanted;
-  makeKernels();
-}
-
-/// Records a frame that never runs, because kernels are made when they are first recorded.
-void Generator::Impl::makeKernels() {
-  const Grid grid{.dims = room->dims, .spacing = 1.0};
-  const FieldOptions options{.distance = room->distance, .sign = room->sign};
+  // Kernels are made when they are first recorded, so a frame is recorded that never runs.
   record(
       {.commands = trial.begin(), .mesh = {.vertexCount = room->vertices, .triangleCount = room->triangles}},
-      grid, options);
+      {.dims = room->dims, .spacing = 1.0}, {.distance = room->distance, .sign = room->sign});
 }
 
 void Generator::Impl::record(const FrameBackend::Frame& frame, const Grid& grid,
@@ -105,15 +97,6 @@ void Generator::Impl::record(const FrameBackend::Frame& frame, const Grid& grid,
 
 VkDeviceAddress Generator::Impl::addressOf(const BufferRange& range) const {
   return vulkan::addressOf(device.handle(), range, "a buffer of the mesh or the target");
-}
-
-CellMeshStage::Source Generator::Impl::sourceOf(const MeshBuffers& mesh) const {
-  return {.positions = addressOf(mesh.vertices),
-          .stride = static_cast<uint32_t>(mesh.vertexStride / sizeof(float)),
-          .triangles = addressOf(mesh.triangles),
-          .vertexCount = mesh.vertexCount,
-          .triangleCount = mesh.triangleCount,
-          .origin = mesh.origin};
 }
 
 namespace {
@@ -170,7 +153,12 @@ void Generator::record(VkCommandBuffer commands, const MeshBuffers& mesh, const 
     return notMoved(impl_).backend.recordFar(into, target, farDistance(options, grid.spacing));
   checkMesh(mesh, room);
   notMoved(impl_).record({.commands = into,
-                          .mesh = notMoved(impl_).sourceOf(mesh),
+                          .mesh = {.positions = notMoved(impl_).addressOf(mesh.vertices),
+                                   .stride = static_cast<uint32_t>(mesh.vertexStride / sizeof(float)),
+                                   .triangles = notMoved(impl_).addressOf(mesh.triangles),
+                                   .vertexCount = mesh.vertexCount,
+                                   .triangleCount = mesh.triangleCount,
+                                   .origin = mesh.origin},
                           .results = {.distance = notMoved(impl_).addressOf(target.distance),
                                       .triangle = notMoved(impl_).addressOf(target.triangle),
                                       .winding = notMoved(impl_).addressOf(target.winding),

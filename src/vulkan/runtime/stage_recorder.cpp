@@ -93,18 +93,6 @@ const SurfaceTreeStage& StageRecorder::surfaceTree() {
   return surfaceTree_;
 }
 
-void StageRecorder::crossings() {
-  crossings_.record(*commands_, mesh_.mesh());
-}
-
-void StageRecorder::rayMap() {
-  rayMap_.record(*commands_, crossings_.lines());
-}
-
-void StageRecorder::recordRays(SignMode mode) {
-  windingRays_.record(*commands_, crossings_.lines(), mode, results_.winding);
-}
-
 void StageRecorder::recordWinding(SignMode mode) {
   const WindingFields fields{.rays = crossings_.lines().axes,
                              .winding = results_.winding,

@@ -40,8 +40,8 @@ class StageRecorder {
   void distanceTransform();
   void refine();
   void rasterDistance();
-  void crossings();
-  void rayMap();
+  void crossings() { crossings_.record(*commands_, mesh_.mesh()); }
+  void rayMap() { rayMap_.record(*commands_, crossings_.lines()); }
   void sign() {}  // A part of `finish`.
 
  protected:
@@ -74,7 +74,9 @@ class StageRecorder {
 
   /// The winding numbers of `SignMode::Harmonic` after `recordRays`, if some rays disagree: from rims, or as
   /// the field that fits all crossings.
-  void recordRays(SignMode mode);
+  void recordRays(SignMode mode) {
+    windingRays_.record(*commands_, crossings_.lines(), mode, results_.winding);
+  }
   void recordWinding(SignMode mode);
   void recordDoubts();
   void recordDipoles(WindingDipolesStage::Looks looks);

@@ -35,11 +35,9 @@ class Probe {
 
   template <std::ranges::contiguous_range Values>
   DeviceBuffer upload(const Values& values, const std::string& name = "test") const {
-    using T = std::ranges::range_value_t<Values>;
     DeviceBuffer staging(*device_, name + " upload", MemoryUse::Upload);
-    staging.resize<T>(std::ranges::size(values));
-    DeviceBuffer buffer = room<T>(std::ranges::size(values), name);
-    std::ranges::copy(values, staging.mapped<T>().begin());
+    staging.fill(values);
+    DeviceBuffer buffer = room<std::ranges::range_value_t<Values>>(std::ranges::size(values), name);
     run([&](Commands& commands) { commands.copy(staging, buffer, buffer.bytes()); });
     return buffer;
   }

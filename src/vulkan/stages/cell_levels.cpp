@@ -1,6 +1,5 @@
 #include "vulkan/stages/cell_levels.h"
 
-#include <algorithm>
 #include <stdexcept>
 
 namespace raymap::vulkan {
@@ -28,9 +27,8 @@ CellLevels::CellLevels(Device& device)
 void CellLevels::reserve(std::span<const CellLevelData> levels) {
   if (levels.empty() || levels.size() > kMostLevels)
     throw std::logic_error("no levels of cells, or too many");
-  upload_.resize<CellLevelData>(levels.size());
+  upload_.fill(levels);
   levels_.resize<CellLevelData>(levels.size());
-  std::ranges::copy(levels, upload_.mapped<CellLevelData>().begin());
 }
 
 void CellLevels::record(Commands& commands) const {

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <cstring>
 
 #include "base/ceil_div.h"
 #include "method/turns.h"
@@ -14,17 +13,6 @@
 #include "shaders/cell_mesh_triangles_spv.h"
 
 namespace raymap::vulkan {
-
-namespace {
-
-template <class T>
-VkDeviceAddress fillWith(DeviceBuffer& buffer, std::span<const T> values) {
-  buffer.resize<T>(values.size());
-  std::memcpy(buffer.mapped<std::byte>().data(), values.data(), values.size() * sizeof(T));
-  return buffer.address();
-}
-
-}  // namespace
 
 CellMeshStage::CellMeshStage(Device& device)
     : toCells_(device, shaders::kCellMesh, kGroup),
@@ -76,8 +64,10 @@ MeshUpload::MeshUpload(Device& device)
       triangles_(device, "mesh triangles upload", MemoryUse::Upload) {}
 
 void MeshUpload::fill(const PackedMesh& mesh) {
-  source_ = {.positions = fillWith(positions_, mesh.vertices),
-             .triangles = fillWith(triangles_, mesh.triangles),
+  positions_.fill(mesh.vertices);
+  triangles_.fill(mesh.triangles);
+  source_ = {.positions = positions_.address(),
+             .triangles = triangles_.address(),
              .vertexCount = static_cast<uint32_t>(mesh.vertices.size()),
              .triangleCount = static_cast<uint32_t>(mesh.triangles.size()),
              .origin = mesh.origin};

@@ -62,8 +62,7 @@ std::vector<MissingEdge> CloseHolesStage::edges() const {
 void CloseHolesStage::recordNumbersAt(Commands& commands, WindingDipolesStage& dipoles,
                                       const SurfaceTreeStage& tree, std::span<const glm::vec3> points,
                                       double threshold) {
-  points_.resize<glm::vec3>(points.size());
-  std::ranges::copy(points, points_.mapped<glm::vec3>().begin());
+  points_.fill(points);
   numbers_.resize<float>(points.size());
   hostNumbers_.resize<float>(points.size());
   dipoles.recordNumbersAt(commands, tree, points_.address(), static_cast<uint32_t>(points.size()),
@@ -79,10 +78,8 @@ std::vector<float> CloseHolesStage::numbers() const {
 void CloseHolesStage::recordDistance(Commands& commands, const HolePatch& patch,
                                      const ExactDistanceStage::Fields& fields) {
   const auto& mesh = patch.mesh;
-  patchVertices_.resize<glm::vec3>(mesh.vertices.size());
-  std::ranges::copy(mesh.vertices, patchVertices_.mapped<glm::vec3>().begin());
-  patchTriangles_.resize<glm::uvec3>(patch.triangles.size());
-  std::ranges::copy(patch.triangles, patchTriangles_.mapped<glm::uvec3>().begin());
+  patchVertices_.fill(mesh.vertices);
+  patchTriangles_.fill(patch.triangles);
   const DeviceMesh onDevice{.vertices = patchVertices_.address(),
                             .triangles = patchTriangles_.address(),
                             .vertexCount = static_cast<uint32_t>(mesh.vertices.size()),
@@ -90,7 +87,7 @@ void CloseHolesStage::recordDistance(Commands& commands, const HolePatch& patch,
   patchTree_.reserve(onDevice.triangleCount);
   patchTree_.record(commands, onDevice, mesh.dims);
   patchDistance_.reserve(mesh.dims);
-  patchDistance_.recordAddition(commands, patchTree_, fields);
+  patchDistance_.record(commands, patchTree_, 0.0, fields, true);
 }
 
 }  // namespace raymap::vulkan

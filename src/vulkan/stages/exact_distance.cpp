@@ -98,74 +98,52 @@ uint64_t ExactDistanceStage::blocks(uint32_t level) const {
   return along.x * along.y * along.z;
 }
 
-ExactDistancePush ExactDistanceStage::pushOf(const SurfaceTreeStage& tree, const Fields& fields) const {
-  return {.frames = tree.frames().address(),
-          .discs = tree.discs().address(),
-          .distance = fields.distance,
-          .triangle = fields.triangle,
-          .heavy = heavy_.address(),
-          .left = hasShortLoops_ ? left_.address() : 0,
-          .dims = glm::uvec3(dims_),
-          .firstLeaf = tree.firstLeaf(),
-          .leafCount = tree.leafCount(),
-          .tolerance = 1e-7f * glm::length(glm::vec3(dims_))};
-}
-
 void ExactDistanceStage::record(Commands& commands, const SurfaceTreeStage& tree, double band,
-                                const Fields& fields) {
-  ExactDistancePush push = pushOf(tree, fields);
-  push.band = static_cast<float>(band);
-  recordBlocks(commands, push);
-}
-
-void ExactDistanceStage::recordAddition(Commands& commands, const SurfaceTreeStage& tree,
-                                        const Fields& fields) {
-  ExactDistancePush push = pushOf(tree, fields);
-  push.isAddition = 1;
-  recordBlocks(commands, push);
-}
-
-void ExactDistanceStage::recordBlocks(Commands& commands, ExactDistancePush push) {
+                                const Fields& fields, bool isAddition) {
+  ExactDistancePush push{.frames = tree.frames().address(),
+                         .discs = tree.discs().address(),
+                         .distance = fields.distance,
+                         .triangle = fields.triangle,
+                         .heavy = heavy_.address(),
+                         .left = hasShortLoops_ ? left_.address() : 0,
+                         .dims = glm::uvec3(dims_),
+                         .firstLeaf = tree.firstLeaf(),
+                         .leafCount = tree.leafCount(),
+                         .band = static_cast<float>(band),
+                         .tolerance = 1e-7f * glm::length(glm::vec3(dims_)),
+                         .isAddition = isAddition ? 1U : 0U};
   commands.concurrent([&] {
     commands.fill(heavy_.handle(), heavy_.offset(), sizeof(uint32_t), 0);
     if (hasShortLoops_) commands.fill(left_.handle(), left_.offset(), sizeof(uint32_t), 0);
   });
-  const bool areAllAlone = heavyWork() == kAnyWork;
   for (uint32_t level = 0; level <= kSmallest; ++level) {
     push.side = kSides[level];
     push.parents = level > 0 ? lists_[level - 1].address() : 0;
     push.blocksPerParent = level > 0 ? kSides[level - 1] / kSides[level] : 0;
     push.lists = level < kSmallest ? lists_[level].address() : 0;
     push.mostWork = level == kSmallest ? heavyWork() : hasShortLoops_ ? kMostLoops : 0;
-    if (level == kSmallest && areAllAlone) break;
+    if (level == kSmallest && heavyWork() == kAnyWork) break;
     commands.dispatch(level < kSmallest ? blocks_ : samples_, push, blocks(level) * maxSubgroup_);
   }
-  if (areAllAlone)
-    recordAll(commands, push);
-  else
-    recordAlone(commands, push);
-  if (hasShortLoops_) recordRest(commands, push);
-}
-
-/// Searches for every sample by itself, from the lists of the blocks above.
-void ExactDistanceStage::recordAll(Commands& commands, ExactDistancePush push) {
-  push.mostWork = hasShortLoops_ ? kMostLoops : 0;
-  push.heavy = 0;
-  commands.dispatch(alone_, push, blocks(kSmallest) * kBlockSamples * maxSubgroup_);
-}
-
-/// Finishes heavy blocks: a subgroup for each of their samples.
-void ExactDistanceStage::recordAlone(Commands& commands, ExactDistancePush push) {
-  push.mostWork = hasShortLoops_ ? kMostLoops : 0;
-  aloneArguments_.record(commands, heavy_.address());
-  aloneArguments_.dispatch(commands, alone_, push);
-}
-
-/// Finishes samples that some drivers end too early. Each tests all leaves, some in each pass.
-void ExactDistanceStage::recordRest(Commands& commands, ExactDistancePush push) {
+  recordAlone(commands, push);
+  if (!hasShortLoops_) return;
+  // Finishes samples that some drivers end too early. Each tests all leaves, some in each pass.
   restArguments_.record(commands, left_.address());
   for (; push.restLeaf < push.leafCount; push.restLeaf += kRestLeaves)
     restArguments_.dispatch(commands, rest_, push);
+}
+
+/// A subgroup searches for each sample of heavy blocks. If all are heavy, it starts from the lists of the
+/// blocks above.
+void ExactDistanceStage::recordAlone(Commands& commands, ExactDistancePush push) {
+  push.mostWork = hasShortLoops_ ? kMostLoops : 0;
+  if (heavyWork() == kAnyWork) {
+    push.heavy = 0;
+    commands.dispatch(alone_, push, blocks(kSmallest) * kBlockSamples * maxSubgroup_);
+  } else {
+    aloneArguments_.record(commands, heavy_.address());
+    aloneArguments_.dispatch(commands, alone_, push);
+  }
 }
 
 }  // namespace raymap::vulkan

@@ -33,11 +33,10 @@ class ExactDistanceStage {
   /// Reserves memory for a grid. All previously recorded work must have completed.
   void reserve(const glm::ivec3& dims);
   /// Works on the grid of the last `reserve` and the mesh last recorded in the tree. If `band` is above zero,
-  /// samples farther away get exactly `band` and `kNoTriangle`.
-  void record(Commands& commands, const SurfaceTreeStage& tree, double band, const Fields& fields);
-  /// Adds further triangles. Samples that are closer to them than their distance so far get the new distance
-  /// and `kNoTriangle`.
-  void recordAddition(Commands& commands, const SurfaceTreeStage& tree, const Fields& fields);
+  /// samples farther away get exactly `band` and `kNoTriangle`. An addition only changes samples closer to
+  /// these triangles than their distance so far: they get the new distance and `kNoTriangle`.
+  void record(Commands& commands, const SurfaceTreeStage& tree, double band, const Fields& fields,
+              bool isAddition = false);
 
  private:
   /// Sides of the blocks in samples, from large to small.
@@ -45,15 +44,10 @@ class ExactDistanceStage {
   static constexpr uint32_t kSmallest = std::size(kSides) - 1;
 
   uint64_t blocks(uint32_t level) const;
-  ExactDistancePush pushOf(const SurfaceTreeStage& tree, const Fields& fields) const;
-  void recordBlocks(Commands& commands, ExactDistancePush push);
-  void recordAll(Commands& commands, ExactDistancePush push);
   void recordAlone(Commands& commands, ExactDistancePush push);
-  void recordRest(Commands& commands, ExactDistancePush push);
   uint64_t samples() const { return uint64_t(dims_.x) * uint64_t(dims_.y) * uint64_t(dims_.z); }
   /// Returns the work of a block from which on it is heavy.
   uint32_t heavyWork() const;
-  /// Returns the number of groups that search for single samples, if all blocks are heavy.
 
   bool hasShortLoops_;
   uint32_t heavyWork_;  // 0: depends on the grid.

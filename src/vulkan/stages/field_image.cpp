@@ -10,21 +10,24 @@ namespace raymap::vulkan {
 
 namespace {
 
-VkImageMemoryBarrier2 transition(VkImage image, VkImageLayout before, VkImageLayout after) {
-  return {.sType = VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER_2,
-          .srcStageMask = VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT,
-          .oldLayout = before,
-          .newLayout = after,
-          .srcQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED,
-          .dstQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED,
-          .image = image,
-          .subresourceRange = {.aspectMask = VK_IMAGE_ASPECT_COLOR_BIT, .levelCount = 1, .layerCount = 1}};
-}
-
-void barrier(VkCommandBuffer buffer, const VkImageMemoryBarrier2& image) {
+/// Changes the layout after earlier transfers, and before later accesses.
+void change(VkCommandBuffer buffer, VkImage image, VkImageLayout before, VkImageLayout after,
+            VkAccessFlags2 written, VkPipelineStageFlags2 later, VkAccessFlags2 accesses) {
+  const VkImageMemoryBarrier2 barrier{
+      .sType = VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER_2,
+      .srcStageMask = VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT,
+      .srcAccessMask = written,
+      .dstStageMask = later,
+      .dstAccessMask = accesses,
+      .oldLayout = before,
+      .newLayout = after,
+      .srcQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED,
+      .dstQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED,
+      .image = image,
+      .subresourceRange = {.aspectMask = VK_IMAGE_ASPECT_COLOR_BIT, .levelCount = 1, .layerCount = 1}};
   const VkDependencyInfo info{.sType = VK_STRUCTURE_TYPE_DEPENDENCY_INFO,
                               .imageMemoryBarrierCount = 1,
-                              .pImageMemoryBarriers = &image};
+                              .pImageMemoryBarriers = &barrier};
   vkCmdPipelineBarrier2(buffer, &info);
 }
 
@@ -53,17 +56,12 @@ void FieldImageStage::record(Commands& commands, VkImage image, VkImageLayout la
     commands.dispatch(toHalves_, {.values = distance_.address(), .halves = halves_.address(), .count = count},
                       (uint64_t{count} + 1) / 2);
   }
-  VkImageMemoryBarrier2 toWrite =
-      transition(image, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
-  toWrite.dstStageMask = VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT;
-  toWrite.dstAccessMask = VK_ACCESS_2_TRANSFER_WRITE_BIT;
-  barrier(commands.handle(), toWrite);
+  change(commands.handle(), image, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 0,
+         VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT, VK_ACCESS_2_TRANSFER_WRITE_BIT);
   commands.copy(texels, image, VkExtent3D{uint32_t(dims_.x), uint32_t(dims_.y), uint32_t(dims_.z)});
-  VkImageMemoryBarrier2 toRead = transition(image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, layout);
-  toRead.srcAccessMask = VK_ACCESS_2_TRANSFER_WRITE_BIT;
-  toRead.dstStageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT;
-  toRead.dstAccessMask = VK_ACCESS_2_MEMORY_READ_BIT | VK_ACCESS_2_MEMORY_WRITE_BIT;
-  barrier(commands.handle(), toRead);
+  change(commands.handle(), image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, layout,
+         VK_ACCESS_2_TRANSFER_WRITE_BIT, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT,
+         VK_ACCESS_2_MEMORY_READ_BIT | VK_ACCESS_2_MEMORY_WRITE_BIT);
 }
 
 }  // namespace raymap::vulkan

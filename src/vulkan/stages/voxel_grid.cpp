@@ -78,18 +78,13 @@ void VoxelGridStage::reserve(const CellLattice& cells, uint32_t triangles, const
   for (auto* kernel : {&ofTriangles_, &ofParts_, &exact_}) kernel->choose(isOfSamples(cells));
   totals_.resize<VoxelGridTotals>(1);
   begins_.resize<uint32_t>(hasLists ? cells.count() : 0);
-  reserveRows(capacity(mostRows_, lists.rows, kRowsPerTriangle * triangles + kSomeRows, kMostRows));
-  reservePairs(capacity(mostPairs_, lists.entries, kPairsPerTriangle * triangles + kSomePairs, kMostPairs));
-}
-
-void VoxelGridStage::reserveRows(uint32_t rows) {
+  const uint32_t rows = capacity(mostRows_, lists.rows, kRowsPerTriangle * triangles + kSomeRows, kMostRows);
   rows_.resize<uint64_t>(uint64_t{mostParts(rows)} + rows);
   partArguments_.reserve({.most = mostParts(rows)});
   openArguments_.reserve({.most = rows, .itemsPerGroup = kOpenRowsGroup / kOpenRowLanes});
   mostRows_ = rows;
-}
-
-void VoxelGridStage::reservePairs(uint32_t pairs) {
+  const uint32_t pairs =
+      capacity(mostPairs_, lists.entries, kPairsPerTriangle * triangles + kSomePairs, kMostPairs);
   for (DeviceBuffer* each : {&cells_, &touching_}) each->resize<uint32_t>(pairs);
   for (DeviceBuffer* each : {&places_, &entryCells_, &entryTriangles_})
     each->resize<uint32_t>(hasLists_ ? pairs : 0);

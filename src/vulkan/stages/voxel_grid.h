@@ -55,8 +55,6 @@ class VoxelGridStage {
   }
 
  private:
-  void reserveRows(uint32_t rows);
-  void reservePairs(uint32_t pairs);
   void recordPairs(Commands& commands, const DeviceMesh& mesh);
   void recordLists(Commands& commands);
 

@@ -7,6 +7,7 @@
 #include <stdexcept>
 
 #include "base/ceil_div.h"
+#include "method/cell_lattice.h"
 #include "shaders/winding_dipoles_doubts_spv.h"
 #include "shaders/winding_dipoles_moments_spv.h"
 #include "shaders/winding_dipoles_points_spv.h"
@@ -25,10 +26,6 @@ constexpr uint32_t kMomentsGroup = 64;
 // turn has up to two: one in an inner loop, one in the outer.
 constexpr uint32_t kFewTurns = 30000;
 constexpr uint32_t kManyTurns = 60000000;
-
-uint64_t samplesOf(const glm::ivec3& dims) {
-  return uint64_t(dims.x) * uint64_t(dims.y) * uint64_t(dims.z);
-}
 
 /// Returns the number of invocations that compute one winding number. On a card, twice as many take half as
 /// many turns one after the other, but leave more of them idle at the root
@@ -66,7 +63,7 @@ void WindingDipolesStage::reserve(uint32_t triangleCount, const glm::ivec3& dims
 }
 
 uint64_t WindingDipolesStage::mostListed() const {
-  return ceilDiv(samplesOf(dims_), kSamplesPerListed);
+  return ceilDiv(CellLattice{dims_}.count(), kSamplesPerListed);
 }
 
 WindingDipolesPush WindingDipolesStage::pushOf(const SurfaceTreeStage& tree, double threshold) const {
@@ -80,14 +77,16 @@ WindingDipolesPush WindingDipolesStage::pushOf(const SurfaceTreeStage& tree, dou
           .mostTurns = mostTurns_};
 }
 
-template <class Dispatch>
-void WindingDipolesStage::recordMoments(const SurfaceTreeStage& tree, WindingDipolesPush push,
-                                        Dispatch&& dispatch) {
+void WindingDipolesStage::recordMoments(Commands& commands, const SurfaceTreeStage& tree,
+                                        WindingDipolesPush push, bool isGated) {
   const std::vector<SurfaceTreeStage::Level>& levels = tree.levels();
   for (uint32_t level = 0; level < levels.size(); ++level) {
     push.levelStart = levels[level].start;
     push.levelCount = levels[level].count;
-    dispatch(push, level);
+    if (isGated)
+      gate_.dispatch(commands, momentsOf_, push, level);
+    else
+      commands.dispatch(momentsOf_, push, push.levelCount);
   }
 }
 
@@ -103,14 +102,12 @@ void WindingDipolesStage::record(Commands& commands, const SurfaceTreeStage& tre
   push.rimsDecide = looks.rimsDecide ? 1 : 0;
   push.mostListed = static_cast<uint32_t>(mostListed());
   commands.fill(doubtful_, 0);
-  commands.dispatch(doubts_, push, ceilDiv(samplesOf(dims_), kDoubtsEach));
+  commands.dispatch(doubts_, push, ceilDiv(CellLattice{dims_}.count(), kDoubtsEach));
   commands.concurrent([&] {
     gate_.record(commands, doubtful_.address());
     arguments_.record(commands, doubtful_.address());
   });
-  recordMoments(tree, push, [&](const WindingDipolesPush& ofLevel, uint32_t level) {
-    gate_.dispatch(commands, momentsOf_, ofLevel, level);
-  });
+  recordMoments(commands, tree, push, true);
   // One group for each sample, or for some samples if the list does not hold all of them.
   arguments_.dispatch(commands, settle_, push);
 }
@@ -122,9 +119,7 @@ void WindingDipolesStage::recordNumbersAt(Commands& commands, const SurfaceTreeS
   push.points = points;
   push.pointCount = count;
   push.winding = numbers;
-  recordMoments(tree, push, [&](const WindingDipolesPush& ofLevel, uint32_t) {
-    commands.dispatch(momentsOf_, ofLevel, ofLevel.levelCount);
-  });
+  recordMoments(commands, tree, push, false);
   commands.dispatch(points_, push, uint64_t{count} * invocations_);
 }
 

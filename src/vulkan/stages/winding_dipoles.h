@@ -44,9 +44,8 @@ class WindingDipolesStage {
  private:
   uint64_t mostListed() const;
   WindingDipolesPush pushOf(const SurfaceTreeStage& tree, double threshold) const;
-  /// Calls `dispatch(push, level)` for each level, from the leaves on.
-  template <class Dispatch>
-  void recordMoments(const SurfaceTreeStage& tree, WindingDipolesPush push, Dispatch&& dispatch);
+  /// Works on each level, from the leaves on.
+  void recordMoments(Commands& commands, const SurfaceTreeStage& tree, WindingDipolesPush push, bool isGated);
 
   uint32_t invocations_;
   glm::ivec3 dims_{0};
