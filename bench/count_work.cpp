@@ -10,10 +10,10 @@
 
 #include "api/devices.h"
 #include "base/memory.h"
+#include "counters/vulkan_entry.h"
+#include "counters/work_counter.h"
 #include "meshes.h"
 #include "method/pipeline.h"
-#include "testing/kernels/vulkan_entry.h"
-#include "testing/kernels/work_counter.h"
 #include "vulkan/runtime/backend.h"
 
 namespace raymap::bench {

@@ -27,10 +27,10 @@ class CheckIncludes(PlantedTree):
 
     def test_finds_headers_of_functions(self):
         self.put("src/mesh/new.cpp", '#include "mesh/other.h"\n\nint f() { return shaderName(info); }\n')
-        self.put("src/mesh/other.h", '#pragma once\n#include "testing/kernels/shader_names.h"\n')
+        self.put("src/mesh/other.h", '#pragma once\n#include "counters/shader_names.h"\n')
         self.assert_accepted()
-        self.assert_found_without("src/mesh/other.h", '"testing/kernels/shader_names.h"',
-                                  "src/mesh/new.cpp: uses shaderName without src/testing/kernels/shader_names.h")  # fmt: skip
+        self.assert_found_without("src/mesh/other.h", '"counters/shader_names.h"',
+                                  "src/mesh/new.cpp: uses shaderName without src/counters/shader_names.h")  # fmt: skip
 
     def test_finds_headers_of_types_and_constants(self):
         self.put("src/mesh/new.h", '#include "vulkan/device/shader.h"\n#include <raymap/field.h>\n\nvoid f(Shader s, int i = kNoTriangle);\n')

@@ -5,8 +5,8 @@
 #include <mutex>
 #include <tuple>
 
-#include "testing/kernels/shader_names.h"
-#include "testing/kernels/vulkan_entry.h"
+#include "counters/shader_names.h"
+#include "counters/vulkan_entry.h"
 #include "vulkan/device/instance.h"
 
 namespace raymap::vulkan {

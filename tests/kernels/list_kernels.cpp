@@ -10,11 +10,11 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "counters/shader_names.h"
+#include "counters/vulkan_entry.h"
 #include "kernel_statistics.h"
 #include "method/pipeline.h"
 #include "picture/drawn_scene.h"
-#include "testing/kernels/shader_names.h"
-#include "testing/kernels/vulkan_entry.h"
 #include "vulkan/runtime/frame_backend.h"
 #include "vulkan/stages/render_field.h"
 #include "vulkan/stages/skin.h"

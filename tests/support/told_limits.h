@@ -3,7 +3,7 @@
 #include <functional>
 #include <utility>
 
-#include "testing/kernels/vulkan_entry.h"
+#include "counters/vulkan_entry.h"
 #include "vulkan/device/device.h"
 
 namespace raymap::vulkan {

@@ -4,10 +4,10 @@
 #include <string>
 #include <vector>
 
+#include "counters/vulkan_entry.h"
 #include "error_code.h"
 #include "shaders/number_invocations.h"
 #include "shaders/number_invocations_spv.h"
-#include "testing/kernels/vulkan_entry.h"
 #include "told_limits.h"
 #include "vulkan/device/features.h"
 #include "vulkan/device/instance.h"

@@ -10,10 +10,10 @@
 
 #include "analytic_fields.h"
 #include "bands.h"
+#include "counters/work_counter.h"
 #include "error_code.h"
 #include "pictures.h"
 #include "shapes.h"
-#include "testing/kernels/work_counter.h"
 #include "vulkan/self_test/compare.h"
 #include "vulkan_device.h"
 

@@ -6,12 +6,12 @@
 #include <fstream>
 #include <set>
 
+#include "counters/vulkan_entry.h"
 #include "environment.h"
 #include "files.h"
 #include "shaders/number_invocations.h"
 #include "shaders/number_invocations_spv.h"
 #include "shaders/wave_vertices_spv.h"
-#include "testing/kernels/vulkan_entry.h"
 #include "vulkan_device.h"
 
 namespace raymap::vulkan {

@@ -4,6 +4,7 @@
 #include <cstdlib>
 #include <set>
 
+#include "counters/work_counter.h"
 #include "shaders/counted_loops.h"
 #include "shaders/counted_loops_spv.h"
 #include "shaders/planted_crossings_spv.h"
@@ -13,7 +14,6 @@
 #include "shaders/planted_transform_spv.h"
 #include "shaders/raymap_vulkan_all.h"
 #include "shapes.h"
-#include "testing/kernels/work_counter.h"
 #include "vulkan/self_test/checks.h"
 #include "vulkan/self_test/compare.h"
 #include "vulkan_device.h"

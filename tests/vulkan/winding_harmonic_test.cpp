@@ -3,8 +3,8 @@
 #include <cmath>
 
 #include "broken_meshes.h"
+#include "counters/work_counter.h"
 #include "sign_scene.h"
-#include "testing/kernels/work_counter.h"
 #include "vulkan/self_test/compare.h"
 #include "vulkan_device.h"
 

@@ -1,6 +1,6 @@
 // The counters of tests/kernels, which gpu_bench --count uses, on kernels whose work is known.
 
-#include "testing/kernels/work_counter.h"
+#include "counters/work_counter.h"
 
 #include "shaders/counted_loops.h"
 #include "shaders/counted_loops_spv.h"

@@ -1,8 +1,8 @@
-#include "testing/kernels/spirv_accesses.h"
+#include "counters/spirv_accesses.h"
 
 #include <stdexcept>
 
-#include "testing/kernels/spirv_editor.h"
+#include "counters/spirv_editor.h"
 
 namespace raymap::vulkan {
 

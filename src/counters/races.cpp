@@ -1,4 +1,4 @@
-#include "testing/kernels/races.h"
+#include "counters/races.h"
 
 #include <algorithm>
 #include <optional>

@@ -1,4 +1,4 @@
-#include "testing/kernels/work_counter.h"
+#include "counters/work_counter.h"
 
 #include <algorithm>
 #include <cstring>
@@ -6,9 +6,9 @@
 #include <mutex>
 #include <stdexcept>
 
-#include "testing/kernels/races.h"
-#include "testing/kernels/shader_names.h"
-#include "testing/kernels/vulkan_entry.h"
+#include "counters/races.h"
+#include "counters/shader_names.h"
+#include "counters/vulkan_entry.h"
 #include "vulkan/device/command_buffer.h"
 #include "vulkan/device/spirv.h"
 

@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "testing/kernels/spirv_accesses.h"
-#include "testing/kernels/spirv_counters.h"
+#include "counters/spirv_accesses.h"
+#include "counters/spirv_counters.h"
 #include "vulkan/device/device.h"
 #include "vulkan/device/shader.h"
 

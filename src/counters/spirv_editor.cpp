@@ -1,4 +1,4 @@
-#include "testing/kernels/spirv_editor.h"
+#include "counters/spirv_editor.h"
 
 #include <algorithm>
 

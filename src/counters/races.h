@@ -5,7 +5,7 @@
 #include <span>
 #include <string>
 
-#include "testing/kernels/work_counter.h"
+#include "counters/work_counter.h"
 
 namespace raymap::vulkan {
 

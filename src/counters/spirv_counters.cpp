@@ -1,10 +1,10 @@
-#include "testing/kernels/spirv_counters.h"
+#include "counters/spirv_counters.h"
 
 #include <algorithm>
 #include <array>
 #include <cstddef>
 
-#include "testing/kernels/spirv_editor.h"
+#include "counters/spirv_editor.h"
 
 namespace raymap::vulkan {
 
