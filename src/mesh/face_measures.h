@@ -33,11 +33,12 @@ FaceMeasure measureFace(const PackedMesh& mesh, const Welding& welding, size_t f
 template <class Visit>
 void forEachFaceMeasure(const Model& mesh, const glm::dvec3& centre, Visit&& visit) {
   constexpr size_t kFacesPerTask = size_t{1} << 13, kFacesPerRound = size_t{1} << 17;
+  const Welding& welding = mesh.welding();  // Before threads ask for it.
   Buffer<FaceMeasure> measures(std::min(kFacesPerRound, mesh.triangles.size()));
   for (size_t first = 0; first < mesh.triangles.size(); first += kFacesPerRound) {
     const size_t count = std::min(kFacesPerRound, mesh.triangles.size() - first);
     parallelFor(count, kFacesPerTask, [&](size_t begin, size_t end) {
-      for (size_t f = begin; f < end; ++f) measures[f] = measureFace(mesh, mesh.welding(), first + f, centre);
+      for (size_t f = begin; f < end; ++f) measures[f] = measureFace(mesh, welding, first + f, centre);
     });
     for (size_t f = 0; f < count; ++f) visit(first + f, measures[f]);
   }

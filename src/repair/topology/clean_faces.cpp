@@ -11,6 +11,7 @@
 #include "mesh/double_sided.h"
 #include "mesh/face_measures.h"
 #include "mesh/half_edges.h"
+#include "mesh/triangle.h"
 
 namespace raymap {
 
@@ -18,6 +19,7 @@ namespace {
 
 constexpr double kShortEdge = 1e-6;         // Share of the face's longest edge.
 constexpr double kShortRoundedEdge = 1e-5;  // The same where corners are rounded.
+constexpr double kMoved = 1.5e-7;           // Share of the mesh's size by which a vertex may be off.
 constexpr double kRoundedEdge = 1e-6;       // Share of the mesh's size that rounding may make of a point.
 
 /// Leaves out the faces that are marked.
@@ -164,6 +166,25 @@ bool flipLongEdges(CleanedFaces& cleaned, const std::vector<uint32_t>& degenerat
   return !replaced.empty();
 }
 
+/// Moves the apex of a face whose height rounding has made 0 or less away from the longest edge, in the plane
+/// of the face across that edge. `rounding` is what it may move a vertex by.
+void raiseApex(Mesh& mesh, uint32_t face, double rounding) {
+  constexpr double kHeight = 4e-6;  // Share of the longest edge; 1e-6 is degenerate.
+  const glm::uvec3 t = mesh.triangles[face];
+  const EdgeLengths lengths = edgeLengths(mesh, t);
+  const int k = lengths.longest;
+  const uint32_t apex = t[(k + 2) % 3];
+  const auto at = [&](uint32_t v) { return glm::dvec3(mesh.vertices[v]); };
+  const glm::dvec3 from = at(t[k]), along = (at(t[(k + 1) % 3]) - from) / lengths.longLength;
+  const auto heightOf = [&](uint32_t v) { return at(v) - from - glm::dot(at(v) - from, along) * along; };
+  const std::optional<Neighbour> across = neighbourOf(Model(mesh), face, k);
+  if (!across) return;
+  const glm::dvec3 away = -heightOf(across->apex);
+  if (!(glm::length(away) > 0.0)) return;
+  const double height = std::max(kHeight * lengths.longLength, 2.0 * rounding);
+  mesh.vertices[apex] = glm::vec3(at(apex) - heightOf(apex) + height * glm::normalize(away));
+}
+
 }  // namespace
 
 CleanedFaces cleanFaces(const Model& mesh, bool areRounded) {
@@ -178,8 +199,25 @@ CleanedFaces cleanFaces(const Model& mesh, bool areRounded) {
     if (!weldShortEdges(cleaned, degenerate, areRounded) && !flipLongEdges(cleaned, degenerate, areRounded))
       break;
   }
+  if (areRounded)
+    for (const uint32_t face : degenerateFaces(Model(cleaned.mesh))) raiseApex(cleaned.mesh, face, 0.0);
   removeUnusedVertices(cleaned.mesh);
   return cleaned;
+}
+
+void raiseLowFaces(Mesh& mesh, const std::vector<uint32_t>& crossing) {
+  const glm::dvec3 size = bounds(mesh).size();
+  const double rounding = kMoved * std::max({size.x, size.y, size.z});
+  std::vector<bool> isNear(mesh.vertices.size());
+  for (const uint32_t face : crossing)
+    for (int c = 0; c < 3; ++c) isNear[mesh.triangles[face][c]] = true;
+  for (uint32_t face = 0; face < mesh.triangles.size(); ++face) {
+    const glm::uvec3& t = mesh.triangles[face];
+    if (!isNear[t.x] && !isNear[t.y] && !isNear[t.z]) continue;
+    const glm::dvec3 a(mesh.vertices[t.x]), b(mesh.vertices[t.y]), c(mesh.vertices[t.z]);
+    const double doubleArea = glm::length(doubleAreaNormal(a, b, c));
+    if (doubleArea < rounding * edgeLengths(mesh, t).longLength) raiseApex(mesh, face, rounding);
+  }
 }
 
 }  // namespace raymap

@@ -21,7 +21,12 @@ struct CleanedFaces {
 /// shorter than 1e-6 of the longest edge of a degenerate face. Flips the longest edge of the other degenerate
 /// faces, which moves no surface by more than their height, unless that leaves a degenerate face. If
 /// corners are rounded, welds edges of up to 1e-5 of the longest, or of 1e-6 of the mesh, and flips edges
-/// between two degenerate faces, too: more faces go, but others may cross then.
+/// between two degenerate faces, too: more faces go, but others may cross then. Faces that stay degenerate
+/// become just high enough.
 CleanedFaces cleanFaces(const Model& mesh, bool areRounded = false);
+
+/// Moves the apex of faces that are lower than rounding may move a vertex, so that rounding may have turned
+/// them over: those that share a corner with faces that cross others. They rise by as much as two roundings.
+void raiseLowFaces(Mesh& mesh, const std::vector<uint32_t>& crossing);
 
 }  // namespace raymap

@@ -32,7 +32,10 @@ UnitedParts uniteParts(const Model& given, bool mayTurn) {
     }
     united.mesh = cleanFaces(Model(cut->mesh), true).mesh;
     united.cutFaces += partEdges(united.mesh);
-    if (!isAllRight(Model(united.mesh))) continue;
+    if (!isAllRight(Model(united.mesh))) {
+      raiseLowFaces(united.mesh, findSelfIntersections(united.mesh).faces);
+      if (!isAllRight(Model(united.mesh))) continue;
+    }
     const double made = diagnose(united.mesh, {.brief = true}).signedVolume;
     if (std::abs(made - volume) > kSameVolume * volume) break;
     return united;
