@@ -24,7 +24,8 @@ def box(low, high):
 def test_a_loss_names_the_voxel_size_that_keeps_it():
     (block, faces), (plate, _) = box((0, 0, 0), (10, 10, 10)), box((1, 4.03, 9), (9, 4.33, 16))
     with pytest.warns(raymap.RaymapWarning) as caught:
-        report = raymap.repair(np.vstack([block, plate]), np.vstack([faces, faces + 8]), voxel_size=0.5, min_thickness=0, device="cpu").report
+        report = raymap.repair(np.vstack([block, plate]), np.vstack([faces, faces + 8]), voxel_size=0.5, min_thickness=0, remesh=True,
+                               device="cpu").report
     (warning,) = (each.message for each in caught)
     size = report["loss"]["voxel_size"]
     assert (warning.code, warning.fields["voxel_size"]) == ("solid_lost", size)

@@ -197,8 +197,7 @@ class FaceCutter {
     std::ranges::sort(layered_, [](const auto& a, const auto& b) {
       return std::pair(a.second, a.first) < std::pair(b.second, b.first);
     });
-    const auto repeated = std::ranges::unique(layered_);
-    layered_.erase(repeated.begin(), repeated.end());
+    layered_.erase(std::unique(layered_.begin(), layered_.end()), layered_.end());
     for (const auto& [f, root] : layered_) {
       if (sheetOf_[root] == kNone) {
         sheetOf_[root] = uint32_t(sheets_.size());
@@ -213,8 +212,7 @@ class FaceCutter {
       if (!hasArea(f)) addFlat(f);
     for (Sheet& sheet : sheets_) {
       std::ranges::sort(sheet.segments);
-      const auto rest = std::ranges::unique(sheet.segments);
-      sheet.segments.erase(rest.begin(), rest.end());
+      sheet.segments.erase(std::unique(sheet.segments.begin(), sheet.segments.end()), sheet.segments.end());
     }
     return true;
   }
@@ -296,8 +294,7 @@ class FaceCutter {
     if (axis >= 0 && !crossSpans(spansOf(sheet, axis), axis, face(sheet.faces[0])[0], plane.normal(), points))
       return false;
     std::ranges::sort(points);
-    const auto rest = std::ranges::unique(points);
-    points.erase(rest.begin(), rest.end());
+    points.erase(std::unique(points.begin(), points.end()), points.end());
     return axis >= 0 ? cutAt(points, spansOf(sheet, axis), axis) : cutFlat(points, sheet);
   }
 

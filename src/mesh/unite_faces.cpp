@@ -198,7 +198,9 @@ class PieceWinding {
     while (!open.empty()) {
       const uint32_t patch = open.back();
       open.pop_back();
-      for (const Link& link : std::ranges::equal_range(links, patch, {}, &Link::a)) {
+      auto next = std::ranges::lower_bound(links, patch, {}, &Link::a);
+      for (; next != links.end() && next->a == patch; ++next) {
+        const Link& link = *next;
         const int front = fronts_[patch] + link.step;
         if (isKnown[link.b] && fronts_[link.b] != front) return false;
         if (!isKnown[link.b]) open.push_back(link.b);

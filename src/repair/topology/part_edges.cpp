@@ -61,7 +61,7 @@ class EdgeParter {
     }
     std::ranges::stable_sort(leaves, {}, &Leaf::angle);
     // Each solid lies between a face that runs down and the next one, which runs up.
-    if (leaves[0].side.isForward) std::ranges::rotate(leaves, leaves.begin() + 1);
+    if (leaves[0].side.isForward) std::rotate(leaves.begin(), leaves.begin() + 1, leaves.end());
     for (size_t k = 0; k < leaves.size(); ++k)
       if (leaves[k].side.isForward != (k % 2 == 1)) return;
     for (size_t k = 0; k < leaves.size(); k += 2) partBetween(leaves[k], leaves[k + 1]);
