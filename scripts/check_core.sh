@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Builds the core and most of its tests alone, shows that they use no library but glm, oneTBB, Highway and nlohmann-json (and GoogleTest
-# for the tests), and runs those of fields, queries and repair. scripts/test.sh runs all of them.
+# Builds the core and most of its tests alone, shows that they use no library but glm, oneTBB, Highway, nlohmann-json and Boost's headers
+# (and GoogleTest for the tests), and runs those of fields, queries and repair. scripts/test.sh runs all of them.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 build=build/core
@@ -20,7 +20,7 @@ if [[ -n $found ]]; then fail "CMake looked for libraries that the core does not
 headers=$(cd "$build" && ninja -t deps | sed -n 's/^ \+//p' | sort -u | xargs -d '\n' realpath)
 headers=$(grep -vF "$PWD/" <<<"$headers" | sort -u)
 owners=$(xargs -d '\n' dpkg-query -S <<<"$headers" | sed 's/:.*//' | sort -u)
-allowed='libc6-dev|linux-libc-dev|libgcc-[0-9]+-dev|libstdc\+\+-[0-9]+-dev|libglm-dev|libtbb-dev|libhwy-dev|nlohmann-json3-dev|libgtest-dev'
+allowed='libc6-dev|linux-libc-dev|libgcc-[0-9]+-dev|libstdc\+\+-[0-9]+-dev|libglm-dev|libtbb-dev|libhwy-dev|nlohmann-json3-dev|libboost[0-9.]+-dev|libgtest-dev'
 others=$(grep -vxE "$allowed" <<<"$owners") || true
 if [[ -n $others ]]; then fail "The core reads headers of other packages" "$others"; fi
 
@@ -31,4 +31,4 @@ others=$(grep -vE '^(libtbb|libhwy|libhwy_contrib|libgtest|libgtest_main|libstdc
 if [[ -n $others ]]; then fail "The tests of the core link other libraries" "$others"; fi
 
 ctest --preset core -R '^(Generator|Surface|Keep)\.'
-echo "The core needs nothing but:" $(grep -E 'glm|tbb|hwy|nlohmann' <<<"$owners")
+echo "The core needs nothing but:" $(grep -E 'glm|tbb|hwy|nlohmann|boost' <<<"$owners")
