@@ -167,8 +167,9 @@ bool flipLongEdges(CleanedFaces& cleaned, const std::vector<uint32_t>& degenerat
 }
 
 /// Moves the apex of a face whose height rounding has made 0 or less away from the longest edge, in the plane
-/// of the face across that edge. `rounding` is what it may move a vertex by.
-void raiseApex(Mesh& mesh, uint32_t face, double rounding) {
+/// of the face across that edge. `rounding` is what it may move a vertex by. `links` knows which faces share
+/// edges; moved vertices do not change that.
+void raiseApex(const Model& links, Mesh& mesh, uint32_t face, double rounding) {
   constexpr double kHeight = 4e-6;  // Share of the longest edge; 1e-6 is degenerate.
   const glm::uvec3 t = mesh.triangles[face];
   const EdgeLengths lengths = edgeLengths(mesh, t);
@@ -177,7 +178,7 @@ void raiseApex(Mesh& mesh, uint32_t face, double rounding) {
   const auto at = [&](uint32_t v) { return glm::dvec3(mesh.vertices[v]); };
   const glm::dvec3 from = at(t[k]), along = (at(t[(k + 1) % 3]) - from) / lengths.longLength;
   const auto heightOf = [&](uint32_t v) { return at(v) - from - glm::dot(at(v) - from, along) * along; };
-  const std::optional<Neighbour> across = neighbourOf(Model(mesh), face, k);
+  const std::optional<Neighbour> across = neighbourOf(links, face, k);
   if (!across) return;
   const glm::dvec3 away = -heightOf(across->apex);
   if (!(glm::length(away) > 0.0)) return;
@@ -199,8 +200,10 @@ CleanedFaces cleanFaces(const Model& mesh, bool areRounded) {
     if (!weldShortEdges(cleaned, degenerate, areRounded) && !flipLongEdges(cleaned, degenerate, areRounded))
       break;
   }
-  if (areRounded)
-    for (const uint32_t face : degenerateFaces(Model(cleaned.mesh))) raiseApex(cleaned.mesh, face, 0.0);
+  if (areRounded) {
+    const Model links(cleaned.mesh);
+    for (const uint32_t face : degenerateFaces(links)) raiseApex(links, cleaned.mesh, face, 0.0);
+  }
   removeUnusedVertices(cleaned.mesh);
   return cleaned;
 }
@@ -208,6 +211,7 @@ CleanedFaces cleanFaces(const Model& mesh, bool areRounded) {
 void raiseLowFaces(Mesh& mesh, const std::vector<uint32_t>& crossing) {
   const glm::dvec3 size = bounds(mesh).size();
   const double rounding = kMoved * std::max({size.x, size.y, size.z});
+  const Model links(mesh);
   std::vector<bool> isNear(mesh.vertices.size());
   for (const uint32_t face : crossing)
     for (int c = 0; c < 3; ++c) isNear[mesh.triangles[face][c]] = true;
@@ -216,7 +220,7 @@ void raiseLowFaces(Mesh& mesh, const std::vector<uint32_t>& crossing) {
     if (!isNear[t.x] && !isNear[t.y] && !isNear[t.z]) continue;
     const glm::dvec3 a(mesh.vertices[t.x]), b(mesh.vertices[t.y]), c(mesh.vertices[t.z]);
     const double doubleArea = glm::length(doubleAreaNormal(a, b, c));
-    if (doubleArea < rounding * edgeLengths(mesh, t).longLength) raiseApex(mesh, face, rounding);
+    if (doubleArea < rounding * edgeLengths(mesh, t).longLength) raiseApex(links, mesh, face, rounding);
   }
 }
 
