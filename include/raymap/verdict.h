@@ -45,7 +45,7 @@ enum class RepairDepth : uint8_t {
 enum class FieldReason : uint8_t {
   None,       ///< It did not.
   Asked,      ///< Options ask for new faces or for another shape.
-  Open,       ///< Faces do not bound a solid, and not by holes and turned faces alone.
+  Open,       ///< Faces do not bound a solid, even with holes closed and faces reversed.
   InsideOut,  ///< An outermost part is inside out.
   Crossing    ///< Parts that cross, overlap or touch could not be united exactly.
 };

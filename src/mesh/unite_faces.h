@@ -13,7 +13,7 @@ namespace raymap {
 struct UnitedFaces {
   Mesh mesh = {};       ///< Faces that were not cut keep their corners, their order and their positions.
   size_t cutFaces = 0;  ///< Number of faces of the given mesh that were cut.
-  double volume = 0.0;  ///< What it encloses before its vertices are rounded, in the mesh's units cubed.
+  double volume = 0.0;  ///< Volume of the exact union, whose vertices are not rounded yet.
   bool isAnyInverted = false;  ///< Whether a part is inside out and lies in no other one.
 };
 

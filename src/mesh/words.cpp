@@ -180,7 +180,7 @@ const char* describe(FieldReason reason) {
     case FieldReason::Asked:
       return "the options ask for new faces";
     case FieldReason::Open:
-      return "its faces do not bound a solid, and not by holes and turned faces alone";
+      return "its faces do not bound a solid, even with holes closed and faces reversed";
     case FieldReason::InsideOut:
       return "an outermost part of it is inside out";
     case FieldReason::Crossing:
