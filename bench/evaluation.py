@@ -63,7 +63,7 @@ def deficient_meshes(folder, resolution=64, only=("",)):
 
 @table
 def rims(folder, resolutions=(48, 64, 128), only=("",)):
-    """Samples of open meshes with another sign than by the sign "exact": docs/decisions/rims.md."""
+    """Samples of open meshes with another sign than by the sign "exact": docs/dev/decisions/rims.md."""
 
     def rim_count(vertices, faces):
         """Returns how often the faces pass edges in one direction more than in the other."""
@@ -152,7 +152,7 @@ def samples_beyond(band, count, random):
 
 @table
 def bands(folder, resolution=512, openvdb_resolution=256, count=2000, everything=False, only=("",)):
-    """Errors of bands of 3 samples, beside OpenVDB's: docs/decisions/narrow_bands.md.
+    """Errors of bands of 3 samples, beside OpenVDB's: docs/dev/decisions/narrow_bands.md.
 
     Compares `count` active samples of each band, or all with --everything, and as many beyond it, which must be farther away."""
     import raymap

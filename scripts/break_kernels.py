@@ -7,7 +7,7 @@ Copies the tracked files to FOLDER (default: a temporary folder), builds the pro
 fault changes one place of a shader, builds again and runs the test. Prints a table: the fault, the check that
 found it first, and its difference. Fails if the test passes without a fault being expected to hide, or if a
 change no longer fits its shader. Takes some minutes, so it is not part of CI.
-docs/decisions/trust_before_use.md holds the last table.
+docs/dev/decisions/trust_before_use.md holds the last table.
 """
 
 import argparse

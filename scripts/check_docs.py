@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
 """Fails where the documentation contradicts the tree.
 
-- docs/README.md lists every page of docs/ exactly once, docs/decisions/README.md every record.
+- docs/README.md lists every page of docs/ and docs/dev/ exactly once, docs/dev/decisions/README.md every record.
 - Relative links lead to files and headings that exist.
 - Files of code named in `backticks` exist.
-- docs/decisions/layers.md names every layer of src/layers.txt.
+- docs/dev/decisions/layers.md names every layer of src/layers.txt.
 - docs/dependencies.md names every file, or a folder of it, that includes a header of a library, and no other.
 - docs/cli.md lists the exit codes that `raymap --help` lists, has a section on every command, and lists every
   command once.
@@ -158,13 +158,14 @@ def check_page(page, tree):
 def check_index(folder):
     index = ROOT / folder / "README.md"
     listed = re.findall(r"^\| (?:[\d-]+ \| )?\[[^\]]*\]\(([\w./]+\.md)\)", index.read_text(), re.MULTILINE)
-    for page in sorted(index.parent.glob("*.md")):
-        if page != index and listed.count(page.name) != 1:
-            yield f"{folder}/README.md: lists {page.name} {listed.count(page.name)} times; list it once"
+    for page in sorted([*index.parent.glob("*.md"), *index.parent.glob("dev/*.md")]):
+        name = page.relative_to(index.parent).as_posix()
+        if page != index and listed.count(name) != 1:
+            yield f"{folder}/README.md: lists {name} {listed.count(name)} times; list it once"
 
 
 def check_layers():
-    named = re.findall(r"`([\w/]+)`", (ROOT / "docs/decisions/layers.md").read_text())
+    named = re.findall(r"`([\w/]+)`", (ROOT / "docs/dev/decisions/layers.md").read_text())
     for layer in re.findall(r"^([\w/]+):", (ROOT / "src/layers.txt").read_text(), re.MULTILINE):
         if layer != "top" and not {layer, layer.rsplit("/", 1)[-1]} & set(named):
             yield f"does not name the layer {layer}"
@@ -273,8 +274,8 @@ def main():
     tree = Tree()
     faults = [f"{page.relative_to(ROOT)}:{fault}" for page in pages() for fault in check_page(page, tree)]
     faults += check_headers()
-    faults += [fault for folder in ("docs", "docs/decisions") for fault in check_index(folder)]
-    faults += [f"docs/decisions/layers.md: {fault}" for fault in check_layers()]
+    faults += [fault for folder in ("docs", "docs/dev/decisions") for fault in check_index(folder)]
+    faults += [f"docs/dev/decisions/layers.md: {fault}" for fault in check_layers()]
     faults += [f"docs/dependencies.md: {fault}" for fault in check_libraries(tree)]
     faults += [f"docs/cli.md: {fault}" for check in (check_exit_codes, check_commands) for fault in check()]
     faults += [f"llms.txt: {fault}" for fault in check_map()]

@@ -41,10 +41,10 @@ class CheckDocs(PlantedTree):
     def test_finds_pages_that_no_index_lists_once(self):
         self.edit("docs/README.md", "| [points.md](points.md)", "| [cli.md](cli.md)")
         self.edit("llms.txt", "- [points.md](docs/points.md)", "- [cli.md](docs/cli.md)")
-        self.edit("docs/decisions/README.md", "[first_card](first_card.md)", "[first_card](3mf.md)")
+        self.edit("docs/dev/decisions/README.md", "[first_card](first_card.md)", "[first_card](3mf.md)")
         self.assert_found("docs/README.md: lists points.md 0 times", "docs/README.md: lists cli.md 2 times",
-                          "docs/decisions/README.md: lists first_card.md 0 times",
-                          "docs/decisions/README.md: lists 3mf.md 2 times")
+                          "docs/dev/decisions/README.md: lists first_card.md 0 times",
+                          "docs/dev/decisions/README.md: lists 3mf.md 2 times")
 
     def test_finds_what_llms_txt_lacks_and_invents(self):
         self.edit("llms.txt", "- [points.md](docs/points.md): What", "- [points.md](docs/points.md): Why")
@@ -96,7 +96,7 @@ class CheckDocs(PlantedTree):
 
     def test_finds_layers_that_are_not_named(self):
         self.append("src/layers.txt", "cpu/bands: base")
-        self.assert_found("docs/decisions/layers.md: does not name the layer cpu/bands")
+        self.assert_found("docs/dev/decisions/layers.md: does not name the layer cpu/bands")
 
     def test_finds_sentences_that_put_off_the_subject(self):
         lines = len((self.root / "docs/points.md").read_text().splitlines())

@@ -305,7 +305,7 @@ const Stats& Surface::stats() const {
 }
 
 bool isCompactBetter(const Grid& grid, size_t triangles) {
-  constexpr size_t kManySamples = 1000;  // Per triangle (docs/decisions/narrow_bands.md).
+  constexpr size_t kManySamples = 1000;  // Per triangle (docs/dev/decisions/narrow_bands.md).
   return grid.sampleCount() / kManySamples < triangles;
 }
 

@@ -1,7 +1,7 @@
 #pragma once
 
 // Ours: closed parts of a mesh that cross each other, but of which some are inside out
-// (docs/decisions/crossing_parts.md).
+// (docs/dev/decisions/crossing_parts.md).
 
 #include <cstdint>
 #include <vector>

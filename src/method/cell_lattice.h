@@ -26,7 +26,7 @@ struct CellLattice {
 
 /// Returns lattices whose occupied cells together hold every triangle. The first has the samples' own cells.
 /// If the mesh reaches beyond them, a second, coarser one covers both. It has at most as many cells, or 32768
-/// if that is more (docs/decisions/mesh_outside_the_box.md).
+/// if that is more (docs/dev/decisions/mesh_outside_the_box.md).
 std::vector<CellLattice> coverMesh(const CellMesh& mesh);
 /// Returns the same lattices for a mesh with these bounds, in cell units.
 std::vector<CellLattice> coverBounds(const glm::vec3& meshLow, const glm::vec3& meshHigh,

@@ -9,7 +9,7 @@
 RAYMAP_SHARED_BEGIN(raymap)
 
 // A sign this far from the threshold is sure enough to contradict the parity: the lattice's winding number is
-// hardly ever off by more (docs/decisions/winding_dipoles.md).
+// hardly ever off by more (docs/dev/decisions/winding_dipoles.md).
 RAYMAP_CONSTANT float kSureSign = 0.15f;
 
 // A face is measured in parts of about this length, in cells, up to this many along an edge.

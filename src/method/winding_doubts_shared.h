@@ -4,7 +4,7 @@
 #endif
 
 // How far winding numbers may be wrong before dipoles or rims decide, the same on every backend
-// (docs/decisions/rims.md).
+// (docs/dev/decisions/rims.md).
 
 #include "base/shader_types.h"
 
@@ -20,7 +20,7 @@ RAYMAP_CONSTANT uint kFromRims = 0u;
 RAYMAP_CONSTANT uint kFromFit = 1u;
 
 // Returns a bound on nearly all errors of the field that fits all crossings, at this distance from the
-// surface in cells (docs/decisions/winding_dipoles.md). They are largest near the surface's rims.
+// surface in cells (docs/dev/decisions/winding_dipoles.md). They are largest near the surface's rims.
 RAYMAP_FUNCTION float latticeError(float distance) {
   return distance < 1.0f ? 0.3f : distance > 7.5f ? 0.04f : 0.3f / distance;
 }

@@ -1,4 +1,4 @@
-// Ours: the local thickness of a mesh. See docs/decisions/local_thickness.md.
+// Ours: the local thickness of a mesh. See docs/dev/decisions/local_thickness.md.
 //
 // A ray leaves the point inwards and ends where it leaves the solid. The plane of the face there and the
 // point define the ball: it is the largest that touches the point without passing that plane. The ball

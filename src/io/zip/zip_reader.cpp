@@ -1,4 +1,4 @@
-// Reads zips by libzip; docs/decisions/zip.md says why.
+// Reads zips by libzip; docs/dev/decisions/zip.md says why.
 
 #include "io/zip/zip_reader.h"
 

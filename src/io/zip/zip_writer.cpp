@@ -1,4 +1,4 @@
-// Writes zips by libzip; docs/decisions/zip.md says why.
+// Writes zips by libzip; docs/dev/decisions/zip.md says why.
 
 #include "io/zip/zip_writer.h"
 

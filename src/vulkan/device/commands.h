@@ -26,7 +26,7 @@ class RecordingListener {
 };
 
 /// Records into a command buffer, ours or the caller's. A full barrier precedes every command, so each one
-/// sees the results of all commands before it (docs/decisions/vulkan_memory.md). Records no allocation.
+/// sees the results of all commands before it (docs/dev/decisions/vulkan_memory.md). Records no allocation.
 class Commands {
  public:
   /// `timer` may be null; stages are then not timed.

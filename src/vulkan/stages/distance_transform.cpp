@@ -3,8 +3,8 @@
 // Paper: one line per invocation, in shared memory, so that fewer lines are in flight as lines grow. Here:
 // along x a subgroup takes the nearest cell on each side (distance_transform_rows.comp). Along y and z no
 // envelope is built: a sample's best site lies between those of the samples on both sides, so the middle one
-// halves the search (docs/decisions/distance_transform.md). Passes do not exchange values, only the nearest
-// cell's place; the value follows from it.
+// halves the search (docs/dev/decisions/distance_transform.md). Passes do not exchange values, only the
+// nearest cell's place; the value follows from it.
 
 #include "vulkan/stages/distance_transform.h"
 

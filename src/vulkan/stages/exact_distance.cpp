@@ -1,7 +1,7 @@
 // Ours (Krayer & Müller 2019 keep the nearest cell's triangles, §3.3): the true closest triangle of every
 // sample. As on the CPU, blocks of samples get lists of the nodes that may be closest to some sample in them.
 // Here this takes three steps. A subgroup handles each block; its lanes are candidates first and samples at
-// the end (docs/decisions/vulkan_exact_distance.md).
+// the end (docs/dev/decisions/vulkan_exact_distance.md).
 
 #include "vulkan/stages/exact_distance.h"
 
@@ -26,7 +26,7 @@ static_assert(kNoneClosest == kNoTriangle);
 constexpr uint32_t kMostLoops = 20000;
 constexpr uint32_t kAnyWork = 1;
 /// Work from which on a block keeps a card waiting; with many blocks, others run meanwhile. Of few blocks,
-/// every one does (docs/decisions/vulkan_exact_distance.md).
+/// every one does (docs/dev/decisions/vulkan_exact_distance.md).
 uint32_t heavyWorkOf(uint64_t blocks) {
   constexpr uint64_t kFewBlocks = 2500, kManyBlocks = 16384;
   return blocks <= kFewBlocks ? kAnyWork : blocks <= kManyBlocks ? 2000 : 5000;
@@ -35,7 +35,8 @@ uint32_t heavyWorkOf(uint64_t blocks) {
 constexpr uint32_t kAloneGroups = 16 * kMaxGroups;
 
 /// Limits a group to four subgroups, each of which needs 5.6 KiB of shared memory. In software it has one
-/// subgroup: drivers may treat a subgroup's barrier as the group's (docs/decisions/vulkan_exact_distance.md).
+/// subgroup: drivers may treat a subgroup's barrier as the group's
+/// (docs/dev/decisions/vulkan_exact_distance.md).
 uint32_t subgroupsFor(const Device& device) {
   constexpr uint32_t kBest = 64;  // Invocations.
   constexpr uint32_t kSubgroups = 4;

@@ -20,7 +20,7 @@ constexpr uint32_t kRun = 512;  // Triangles of the curve that one group reorder
 constexpr uint32_t kMostTriangles = uint32_t{1} << 29;
 
 /// Returns the bits of the keys by which triangles are sorted. Runs of the curve are ordered anew, so that
-/// few bits give the same leaves: docs/decisions/vulkan_exact_distance.md.
+/// few bits give the same leaves: docs/dev/decisions/vulkan_exact_distance.md.
 uint32_t keyBitsFor(uint32_t triangles) {
   constexpr uint32_t kFewToSort = 100'000, kManyToSort = 4'000'000;
   return triangles <= kFewToSort ? 16 : triangles <= kManyToSort ? 24 : kMostKeyBits;

@@ -29,7 +29,7 @@ constexpr uint32_t kManyTurns = 60000000;
 
 /// Returns the number of invocations that compute one winding number. On a card, twice as many take half as
 /// many turns one after the other, but leave more of them idle at the root
-/// (docs/decisions/winding_dipoles.md).
+/// (docs/dev/decisions/winding_dipoles.md).
 uint32_t invocationsOf(const Device& device) {
   const uint32_t least = device.info().type == DeviceType::Software ? kTreeArity : 64;
   return std::max(least, device.limits().maxSubgroupSize);
