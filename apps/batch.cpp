@@ -69,7 +69,6 @@ int doOne(const FileJob& job, const std::function<Outcome(const FileJob&)>& work
     Outcome outcome = work(job);
     row = rowOf(job, outcome, millisecondsSince(start) / 1000.0);
     figures = std::move(outcome.figures);
-    figures["result"] = job.output.string();
     return 0;
   } catch (const std::exception&) {
     const Failure failure = describeFailure();

@@ -64,7 +64,9 @@ void runOnEach(const Arguments& arguments, Outcome (*work)(Arguments&)) {
     Arguments each = all;
     each.mesh = job.input;
     each.result = job.output;
-    return work(each);
+    Outcome outcome = work(each);
+    outcome.figures["result"] = job.output.string();
+    return outcome;
   };
   if (isFolder(all.result)) return doAll(jobs, all.stats, workOn);
   const Outcome outcome = workOn(jobs.front());

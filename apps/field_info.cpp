@@ -131,11 +131,7 @@ Json describe(const Field& field, const FieldInfo& info, const std::string& unit
   Json arrays = Json::array();
   for (const FieldArray array : field.arrays()) arrays.push_back(name(array));
   const bool isDistance = info.array == FieldArray::Distance;
-  Json json{{"grid",
-             {{"dims", toJson(field.grid.dims)},
-              {"origin", toJson(field.grid.origin)},
-              {"spacing", field.grid.spacing},
-              {"samples", info.samples}}},
+  Json json{{"grid", figuresOf(field.grid)},
             {"unit", unit.empty() ? Json() : Json(unit)},
             {"arrays", arrays},
             {"surface_bounds", field.surfaceBounds.isEmpty() ? Json() : toJson(field.surfaceBounds)},
@@ -145,7 +141,8 @@ Json describe(const Field& field, const FieldInfo& info, const std::string& unit
             {"max", toJson(info.most)},
             {"inside", isDistance ? Json(info.inside) : Json()},
             {"inside_share", isDistance ? Json(double(info.inside) / double(info.samples)) : Json()},
-            {"non_finite", info.notFinite}};
+            {"non_finite", info.notFinite},
+            {"band", nullptr}};
   if (const auto& band = field.narrow)
     json["band"] = {{"outside", band->outside},
                     {"inside", std::isfinite(band->inside) ? Json(band->inside) : Json()},

@@ -117,16 +117,12 @@ Json optionsOf(const GenerateArguments& arguments) {
 }
 
 Json describe(const GenerateArguments& arguments, const Report& report) {
-  const Grid& grid = report.grid;
   return {{"raymap", version().text},
           {"mesh", arguments.mesh.string()},
+          {"frame", nullptr},
           {"steps", toJson(report.steps())},
           {"diagnostics", toJson(report.found)},
-          {"grid",
-           {{"dims", {grid.dims.x, grid.dims.y, grid.dims.z}},
-            {"origin", toJson(grid.origin)},
-            {"spacing", grid.spacing},
-            {"samples", grid.sampleCount()}}},
+          {"grid", figuresOf(report.grid)},
           {"options", optionsOf(arguments)},
           {"stats", toJson(report.stats)},
           {"peak_memory_bytes", peakMemory()}};
@@ -140,7 +136,9 @@ Json describeDefects(const GenerateArguments& arguments, const Mesh& mesh, const
   Json json{{"raymap", version().text},
             {"mesh", arguments.mesh.string()},
             {"diagnostics", toJson(Inspection{report.found, crossings})},
-            {"stats", toJson(report.stats)}};
+            {"stats", toJson(report.stats)},
+            {"guessed_share", nullptr},
+            {"guessed_below", nullptr}};
   if (arguments.options.sign == SignMode::None) return json;
   constexpr float kSure = 0.5f;
   const auto guessed = std::count_if(field.confidence.begin(), field.confidence.end(),

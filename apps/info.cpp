@@ -163,7 +163,9 @@ void inspectMesh(const Mesh& mesh, const InfoArguments& arguments) {
                 describe(verdict, found, crossings, mesh, arguments.input, arguments.machine).c_str());
     return;
   }
-  std::cout << textOf(toJson(verdict, found, crossings, unit));
+  Json json = toJson(verdict, found, crossings, unit);
+  json["file"] = arguments.input.string();
+  std::cout << textOf(json);
 }
 
 /// Draws the surface of a field; where it has no distances, the middle slice.
@@ -182,10 +184,10 @@ void inspectField(const Field& field, const InfoArguments& arguments) {
   if (!arguments.picture.empty()) writePng(arguments.picture, draw(field, info.array, arguments));
   const std::optional<LengthUnit> unit = unitOf(arguments);
   const std::string unitName = unit ? nameOf(*unit) : "";
-  if (arguments.isJson)
-    std::cout << textOf(describe(field, info, unitName));
-  else
-    print(field, info, unitName);
+  if (!arguments.isJson) return print(field, info, unitName);
+  Json json = describe(field, info, unitName);
+  json["file"] = arguments.input.string();
+  std::cout << textOf(json);
 }
 
 /// Prints a line about each of several files, also after one that cannot be read. Throws `ExitCode` with the

@@ -55,7 +55,7 @@ Json describe(const MeshArguments& arguments, const Grid& grid, const Simplified
               const StoredMesh& stored) {
   return {{"raymap", version().text},
           {"input", arguments.input.string()},
-          {"grid", {{"dims", toJson(grid.dims)}, {"spacing", grid.spacing}}},
+          {"grid", figuresOf(grid)},
           {"triangles", stored.exact.triangles.size()},
           {"vertices", stored.exact.vertices.size()},
           {"deviation", surface.deviation},

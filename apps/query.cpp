@@ -148,52 +148,50 @@ void count(std::span<const glm::dvec3> points, const auto& distances, QueryRepor
   }
 }
 
+/// Returns null without distances.
+Json distancesOf(const QueryReport& report) {
+  if (report.known == 0) return {};
+  return {{"inside", report.inside}, {"min", report.least}, {"max", report.most}};
+}
+
 Json describe(const QueryArguments& arguments, const QueryOptions& asked, const QueryReport& report) {
   Json arrays = Json::array();
   for (const AskedArray& array : kQueryArrays)
     if (asked.*array.isAsked) arrays.push_back(array.name);
-  Json json{
-      {"raymap", version().text},
-      {"mesh", arguments.input.string()},
-      {"triangles", report.triangles},
-      {"points",
-       {{"file", arguments.points.string()}, {"count", report.points}, {"non_finite", report.notFinite}}},
-      {"options",
-       {{"arrays", arrays},
-        {"unsigned", arguments.isUnsigned},
-        {"orientation", name(arguments.options.orientation)},
-        {"threshold", arguments.options.threshold},
-        {"max_distance", std::isfinite(arguments.maxDistance) ? Json(arguments.maxDistance) : Json()},
-        {"threads", arguments.machine.threads}}},
-      {"steps", toJson(report.steps())},
-      {"stats", toJson(report.surface)},
-      {"surface_bytes", report.surfaceBytes},
-      {"peak_memory_bytes", peakMemory()}};
-  if (report.known > 0)
-    json["distances"] = {{"inside", report.inside}, {"min", report.least}, {"max", report.most}};
-  return json;
+  return {{"raymap", version().text},
+          {"mesh", arguments.input.string()},
+          {"triangles", report.triangles},
+          {"points",
+           {{"file", arguments.points.string()}, {"count", report.points}, {"non_finite", report.notFinite}}},
+          {"options",
+           {{"arrays", arrays},
+            {"unsigned", arguments.isUnsigned},
+            {"orientation", name(arguments.options.orientation)},
+            {"threshold", arguments.options.threshold},
+            {"max_distance", std::isfinite(arguments.maxDistance) ? Json(arguments.maxDistance) : Json()},
+            {"threads", arguments.machine.threads}}},
+          {"steps", toJson(report.steps())},
+          {"stats", toJson(report.surface)},
+          {"surface_bytes", report.surfaceBytes},
+          {"peak_memory_bytes", peakMemory()},
+          {"distances", distancesOf(report)}};
 }
 
 /// Describes a query of a field.
 Json describe(const QueryArguments& arguments, const QueryReport& report) {
-  Json json{{"raymap", version().text},
-            {"field", arguments.input.string()},
-            {"grid",
-             {{"dims", toJson(report.grid.dims)},
-              {"origin", toJson(report.grid.origin)},
-              {"spacing", report.grid.spacing}}},
-            {"points",
-             {{"file", arguments.points.string()},
-              {"count", report.points},
-              {"non_finite", report.notFinite},
-              {"outside", report.outside},
-              {"clamped", report.clamped}}},
-            {"options", {{"arrays", arguments.arrays}, {"threads", arguments.machine.threads}}},
-            {"steps", toJson(report.steps())},
-            {"peak_memory_bytes", peakMemory()}};
-  if (report.known > 0)
-    json["distances"] = {{"inside", report.inside}, {"min", report.least}, {"max", report.most}};
-  return json;
+  return {{"raymap", version().text},
+          {"field", arguments.input.string()},
+          {"grid", figuresOf(report.grid)},
+          {"points",
+           {{"file", arguments.points.string()},
+            {"count", report.points},
+            {"non_finite", report.notFinite},
+            {"outside", report.outside},
+            {"clamped", report.clamped}}},
+          {"options", {{"arrays", arguments.arrays}, {"threads", arguments.machine.threads}}},
+          {"steps", toJson(report.steps())},
+          {"peak_memory_bytes", peakMemory()},
+          {"distances", distancesOf(report)}};
 }
 
 void print(const QueryArguments& arguments, const QueryReport& report, double elapsedMilliseconds) {

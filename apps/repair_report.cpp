@@ -111,7 +111,7 @@ Json describe(const RepairArguments& arguments, const Grid& grid, const RepairRe
       unitOf(arguments.units, named(arguments.mesh, arguments.format.input));
   Json json{{"raymap", version().text},
             {"mesh", arguments.mesh.string()},
-            {"grid", {{"dims", {grid.dims.x, grid.dims.y, grid.dims.z}}, {"spacing", grid.spacing}}},
+            {"grid", figuresOf(grid)},
             {"options",
              {{"orientation", name(arguments.options.orientation)},
               {"close_holes", arguments.repair.closeHoles},

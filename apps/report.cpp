@@ -73,6 +73,13 @@ void printOrientation(const Stats& stats) {
     std::printf("  misfit of the crossings: %.3g as given, %.3g now\n", stats.misfitGiven, stats.misfit);
 }
 
+Json figuresOf(const Grid& grid) {
+  return {{"dims", toJson(grid.dims)},
+          {"origin", toJson(grid.origin)},
+          {"spacing", grid.spacing},
+          {"samples", grid.sampleCount()}};
+}
+
 void writeJson(const std::filesystem::path& path, const Json& json) {
   writeAtomically(path, [&](std::ostream& out) { out << textOf(json); });
 }

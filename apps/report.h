@@ -43,6 +43,9 @@ std::string whyItTakesLong(const RepairGrid& grid);
 /// Prints which faces were reversed and left out, if any.
 void printOrientation(const Stats& stats);
 
+/// Returns what all figures say about a grid.
+Json figuresOf(const Grid& grid);
+
 /// Writes a file of JSON.
 void writeJson(const std::filesystem::path& path, const Json& json);
 

@@ -1,20 +1,23 @@
 #!/usr/bin/env python3
-"""Writes the types of Python's records (python/raymap/_records.py) and the tables of keys (docs/report.md).
+"""Writes the types of Python's records (python/raymap/_records.py), the tables of keys (docs/report.md), and the schema of
+what commands print (docs/raymap.schema.json).
 
-Both are made of include/raymap/records.h, which names the members of each record, of the comments at these members in the
-other public headers, and of the names of enum values in src/api/names.cpp.
+The first two are made of include/raymap/records.h, which names the members of each record, of the comments at these members
+in the other public headers, and of the names of enum values in src/api/names.cpp. The schema is made of the page, whose
+first tables say what each command adds to the records.
 
-records.py writes both; records.py --check fails where they differ. Both fail for a member that records.h leaves out, and for
+records.py writes all; records.py --check fails where they differ. Both fail for a member that records.h leaves out, and for
 one without a comment. A folder as last argument is another tree.
 """
 
+import json
 import re
 import sys
 import textwrap
 from pathlib import Path
 
 ROOT = Path(sys.argv[-1] if Path(sys.argv[-1]).is_dir() else Path(__file__).resolve().parent.parent)
-TYPES, PAGE = ROOT / "python/raymap/_records.py", ROOT / "docs/report.md"
+TYPES, PAGE, SCHEMA = ROOT / "python/raymap/_records.py", ROOT / "docs/report.md", ROOT / "docs/raymap.schema.json"
 BEGIN, END = "<!-- scripts/records.py writes what follows. -->", "<!-- That is all of it. -->"
 HEAD = '''"""Types of the library's results, dicts with the keys of the command line's JSON, and names of the values of its enums.
 
@@ -39,6 +42,16 @@ PLAIN = {
     "Box": ("list[list[float]]", "lowest and highest corner"),
     "std::vector<uint32_t>": ("npt.NDArray[np.uint32]", "indices"),
 }
+# Types in words, as JSON has them.
+NUMBERS = {"type": "array", "minItems": 3, "maxItems": 3}
+IN_JSON = {
+    **{word: {"type": word} for word in ("integer", "number", "boolean", "null")},
+    "text": {"type": "string"},
+    "indices": {"type": "integer"},
+    "x, y, z": NUMBERS | {"items": {"type": "number"}},
+    "i, j, k": NUMBERS | {"items": {"type": "integer"}},
+}
+IN_JSON["lowest and highest corner"] = {"type": "array", "minItems": 2, "maxItems": 2, "items": IN_JSON["x, y, z"]}
 
 
 class Struct:
@@ -179,6 +192,67 @@ def tables(all_records, enum_names):
     return text + "\n"
 
 
+def option_types(enum_names):
+    """Returns the type of each option of raymap/named_options.h, in words."""
+    from options import first_options, options
+
+    plain = {name: type_of(row.kind, False, enum_names) for name, row in first_options(options()).items()}
+    nullable = {name for name, row in first_options(options()).items() if row.kind == "double" and row.default is None}
+    return {name: words + " or null" * (name in nullable) for name, words in plain.items()}
+
+
+def schema_of(words, option_words):
+    """Returns the schema of a type in words."""
+    if words in IN_JSON:
+        return IN_JSON[words]
+    if words.startswith("lines of "):
+        return schema_of(words.removeprefix("lines of "), option_words)
+    if words.startswith("list of "):
+        return {"type": "array", "items": schema_of(words.removeprefix("list of "), option_words)}
+    if words.startswith("object of "):
+        members = re.findall(r"`(\w+)` ?(.*?)(?:, (?=`)|$)", words)
+        return object_of({key: schema_of(kind or option_words[key], option_words) for key, kind in members})
+    first, _, rest = words.partition(" or ")
+    if rest:
+        rest = schema_of(rest, option_words)
+        return {"anyOf": [schema_of(first, option_words), *rest.get("anyOf", [rest])]}
+    if words.startswith("one of "):
+        return {"enum": re.findall(r"`(\w+)`", words)}
+    return {"$ref": "#/$defs/" + re.fullmatch(r"\[(\w+)\]\(#\w+\)", words)[1]}
+
+
+def object_of(properties):
+    return {"type": "object", "required": list(properties), "properties": properties}
+
+
+def schema(page, option_words):
+    """Returns the JSON Schema of all tables of a page, and of what its first table says that commands print."""
+    found = {}
+    for section in page.split("\n## ")[1:]:
+        heading, _, body = section.partition("\n")
+        text = " ".join(body.partition("\n|")[0].split())
+        if heading == "What commands print":
+            for command, words in re.findall(r"^\| `(.*)` \| (.*) \|$", body, re.MULTILINE):
+                found[re.sub(r"\W+", "_", command)] = schema_of(words, option_words)
+        elif rows := re.findall(r"^\| (`.*?`) \| ([^|]+) \| (.*) \|$", body, re.MULTILINE):
+            properties = {key: schema_of(words, option_words) | {"description": meaning}
+                          for keys, words, meaning in rows for key in re.findall(r"\w+", keys)}
+            base = re.search(r"It also has the keys of \[(\w+)\]", text)
+            found[heading] = {"description": text, "base": base and base[1], **object_of(properties)}
+    for record in found.values():
+        base = found.get(record.pop("base", None))
+        while base:
+            record["properties"] = base["properties"] | record["properties"]
+            base = found.get(base.get("base"))
+        if "properties" in record:
+            record["required"] = list(record["properties"])
+    text = json.dumps({"$schema": "https://json-schema.org/draft/2020-12/schema",
+                       "title": "What the commands of raymap print with --json: scripts/records.py writes it from report.md",
+                       "$defs": found}, indent=1)
+    # An object of text and numbers takes one line.
+    return re.sub(r"[\[{]\n[^{}\[\]]*[\]}]", lambda flat: re.sub(r"\s*\n\s*", " ", flat[0]), text) + "\n"
+
+
 def within(path, made):
     """Returns a page whose made part is replaced."""
     page = path.read_text()
@@ -200,7 +274,8 @@ def finish(wanted, source, counted):
 
 def main():
     all_records, enum_names = records(), enums()
-    wanted = {TYPES: python_types(all_records, enum_names), PAGE: within(PAGE, tables(all_records, enum_names))}
+    page = within(PAGE, tables(all_records, enum_names))
+    wanted = {TYPES: python_types(all_records, enum_names), PAGE: page, SCHEMA: schema(page, option_types(enum_names))}
     keys = sum(len(record.keys) for record in all_records)
     return finish(wanted, "include/raymap/records.h", f"{len(all_records)} records, {keys} keys")
 

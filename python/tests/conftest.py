@@ -93,14 +93,24 @@ def held(tmp_path: Path, own_folder: None) -> Iterator[HeldMesh]:
 
 
 @pytest.fixture
-def run_raymap():
-    """Runs the command line, RAYMAP_BINARY or that of the build tree, and returns its output."""
+def end_raymap():
+    """Runs the command line, RAYMAP_BINARY or that of the build tree, and returns how it ended: with the exit code ``code``."""
     program = os.environ.get("RAYMAP_BINARY", str(ROOT / "build/release/bin/raymap"))
     if "RAYMAP_BINARY" not in os.environ and not Path(program).exists():
         pytest.skip("the command line was not built; name it in RAYMAP_BINARY")
-    return lambda *arguments: subprocess.run(
-        [program, *map(str, arguments)], check=True, capture_output=True, text=True
-    ).stdout
+
+    def run(*arguments, code: int = 0) -> subprocess.CompletedProcess[str]:
+        ended = subprocess.run([program, *map(str, arguments)], check=False, capture_output=True, text=True)
+        assert ended.returncode == code, (arguments, ended.stderr)
+        return ended
+
+    return run
+
+
+@pytest.fixture
+def run_raymap(end_raymap):
+    """Runs the command line, and returns its output."""
+    return lambda *arguments: end_raymap(*arguments).stdout
 
 
 @pytest.fixture(autouse=True)

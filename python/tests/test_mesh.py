@@ -251,9 +251,9 @@ def test_info_is_that_of_the_command_line(ball, run_raymap):
     found = raymap.info("broken.ply")
 
     def printed(*arguments):
-        """Returns what the command line prints, without the unit, which only a file has."""
+        """Returns what the command line prints, without the file and its unit."""
         result = json.loads(run_raymap("info", "broken.ply", "--json", *arguments))
-        assert result.pop("unit") is None
+        assert (result.pop("file"), result.pop("unit")) == ("broken.ply", None)
         return result
 
     assert figures(found) == printed()
