@@ -218,7 +218,9 @@ def schema_of(words, option_words):
         return {"anyOf": [schema_of(first, option_words), *rest.get("anyOf", [rest])]}
     if words.startswith("one of "):
         return {"enum": re.findall(r"`(\w+)`", words)}
-    return {"$ref": "#/$defs/" + re.fullmatch(r"\[(\w+)\]\(#\w+\)", words)[1]}
+    record = re.fullmatch(r"\[(\w+)\]\(#\w+\)", words)
+    assert record, f"docs/report.md: {words!r} is no type"
+    return {"$ref": "#/$defs/" + record[1]}
 
 
 def object_of(properties):

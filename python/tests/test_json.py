@@ -42,7 +42,7 @@ COMMANDS = """
 0 mesh scan.vdb -o mesh.ply --json
 0 mesh ball.ply -o mesh.stl --resolution 12 --recenter --json
 0 repair scan.ply -o solid.stl --resolution 24 --height 80 --up z --unit mm --json
-0 repair scan.ply -o solid.ply --resolution 60 --shell 0.3 --drain-hole 0.2 --drop-smaller 0.1 --base -2 --json
+0 repair scan.ply -o solid.ply --resolution 60 --shell 0.3 --drain-hole 0.2 --drop-smaller 0.1 --json
 0 repair ball.ply -o solid.3mf --fit 1 1 1 --remesh --resolution 24 --tolerance 0.1 --triangles 100 --json
 3 repair ball.ply notes.ply scan.ply -o repaired/ --resolution 24 --json
 0 simplify ball.ply -o small.ply --triangles 100 --json
