@@ -1,21 +1,25 @@
-"""Runs the examples of all docstrings and pages."""
+"""Runs the examples of all docstrings, pages and lessons."""
 
 from __future__ import annotations
 
 import doctest
 import importlib
+import os
 import pkgutil
 import shutil
+import subprocess
+import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
 import raymap
 from conftest import ROOT
-from pages import run_page, run_test
+from pages import run_lesson, run_page, run_test
 
 FOUND = [module.name for module in pkgutil.walk_packages(raymap.__path__, "raymap.")]
 MODULES = ["raymap", *(name for name in FOUND if name not in ("raymap._raymap", "raymap.jax", "raymap.torch"))]
+LESSONS = sorted(Path(ROOT, "docs/teach").glob("*.md"))
 PAGES = ["README.md", "docs/python.md", "docs/datasets.md", "docs/samples.md", "docs/huge_fields.md", "python/README.md"]
 
 
@@ -30,6 +34,38 @@ def test_docstrings(name: str) -> None:
 def test_pages(page: str) -> None:
     shutil.copy("ball.ply", "scan.ply")
     run_page(Path(ROOT, page).read_text(), page)
+
+
+@pytest.fixture(scope="module")
+def shell(tmp_path_factory: pytest.TempPathFactory) -> dict[str, str]:
+    """The environment of a user who has installed the program, the library and the package."""
+    build = Path(os.environ.get("RAYMAP_BINARY", Path(ROOT, "build/release/bin/raymap"))).parents[1]
+    if not Path(build, "cmake_install.cmake").exists():
+        pytest.skip("the build tree is not there; name its program in RAYMAP_BINARY")
+    prefix = tmp_path_factory.mktemp("installed")
+    subprocess.run(["cmake", "--install", build, "--prefix", prefix], check=True, capture_output=True)
+    package = Path(raymap.__file__).parents[1]
+    paths = (Path(prefix, "bin"), Path(sys.executable).parent, os.environ["PATH"])
+    return os.environ | {"PATH": ":".join(map(str, paths)), "PYTHONPATH": str(package), "RAYMAP_CACHE": "off",
+                         "CMAKE_PREFIX_PATH": str(prefix)}  # fmt: skip
+
+
+@pytest.mark.parametrize("lesson", LESSONS, ids=lambda lesson: lesson.stem)
+def test_lessons(lesson: Path, shell: dict[str, str], tmp_path: Path) -> None:
+    folder = tmp_path / "lesson"
+    folder.mkdir()
+    run_lesson(lesson.read_text(), folder, shell)
+
+
+@pytest.mark.parametrize("end, fault", [
+    ("```text\nscan.ply: good, ...\n```\n", "prints\nscan.ply: bad"),
+    ("", "prints\nscan.ply: bad"),
+    ("```text\nscan.ply: bad, ...\n```\n```python\nprint(1 / 0)\n```\n", "ZeroDivisionError"),
+], ids=["another output", "no output", "error"])  # fmt: skip
+def test_a_wrong_lesson_is_found(end: str, fault: str, shell: dict[str, str], tmp_path: Path) -> None:
+    right = "```sh\nraymap example -o scan.ply --holes -q\nraymap check scan.ply || true\n```\n"
+    with pytest.raises(AssertionError, match=fault):
+        run_lesson(right + end, tmp_path, shell)
 
 
 def test_everything_public_has_a_docstring() -> None:
