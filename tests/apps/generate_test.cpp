@@ -161,7 +161,7 @@ TEST_F(CliGenerate, ReportsStatistics) {
   EXPECT_EQ(info["holes"][0]["edges"], 3);
   EXPECT_EQ(info["self_intersections"]["pairs"], 0);
   EXPECT_TRUE(info["unit"].is_null());
-  for (const char* key : {"self_intersections", "unit", "verdict"}) info.erase(key);
+  for (const char* key : {"self_intersections", "unit", "verdict", "file"}) info.erase(key);
   EXPECT_EQ(stats["diagnostics"], info);
   EXPECT_EQ(stats["options"]["threads"], 2);
   EXPECT_GT(stats["stats"]["doubtful_share"], 0.0);
