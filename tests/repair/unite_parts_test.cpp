@@ -170,7 +170,7 @@ TEST(UniteParts, LeavesOpenMeshesAndLonePartsInsideOutToTheField) {
   EXPECT_EQ(uniteParts(Model(open), true).failure, FieldReason::Open);
   const Mesh lone = shapes::inverted(shapes::box({5, 5, 5}, {6, 6, 6}));
   EXPECT_EQ(uniteParts(Model(join({shapes::box({0, 0, 0}, {2, 2, 2}), lone})), true).failure,
-            FieldReason::InsideOut);
+            FieldReason::Sheet);
 }
 
 TEST(UniteParts, RepairKeepsTheFacesOfCrossingParts) {

@@ -15,10 +15,15 @@ std::vector<BorderEdge> findBorderEdges(const Mesh& mesh) {
   const std::span<const SortKey> halfEdges = sortHalfEdges(mesh, unwelded(mesh.vertices.size()), keys);
   std::vector<BorderEdge> edges;
   forEachEdge(halfEdges, 0, halfEdges.size(), [&](std::span<const SortKey> edge) {
-    if (edge.size() != 1) return;
-    const HalfEdge only = halfEdgeOf(edge[0]);
-    const glm::uvec3& t = mesh.triangles[only.face];
-    edges.push_back({only.to(), only.from(), t.x ^ t.y ^ t.z ^ only.low ^ only.high});
+    int surplus = 0;
+    for (const SortKey& key : edge) surplus += halfEdgeOf(key).isForward ? 1 : -1;
+    for (const SortKey& key : edge) {
+      const HalfEdge side = halfEdgeOf(key);
+      if (surplus == 0 || side.isForward != (surplus > 0)) continue;
+      surplus += surplus > 0 ? -1 : 1;
+      const glm::uvec3& t = mesh.triangles[side.face];
+      edges.push_back({side.to(), side.from(), t.x ^ t.y ^ t.z ^ side.low ^ side.high});
+    }
   });
   std::ranges::sort(edges, {}, &BorderEdge::from);
   return edges;
