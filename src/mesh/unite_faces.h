@@ -13,9 +13,10 @@ namespace raymap {
 
 /// The surface of what a mesh surrounds at least once.
 struct UnitedFaces {
-  Mesh mesh = {};       ///< Faces that were not cut keep their corners, their order and their positions.
-  size_t cutFaces = 0;  ///< Number of faces of the given mesh that were cut.
-  double volume = 0.0;  ///< Volume of the exact union, whose vertices are not rounded yet.
+  Mesh mesh = {};            ///< Faces that were not cut keep their corners, their order and their positions.
+  size_t cutFaces = 0;       ///< Number of faces of the given mesh that were cut.
+  double volume = 0.0;       ///< Volume of the exact union, whose vertices are not rounded yet.
+  double buriedShare = 0.0;  ///< Share of the pieces' area that lies within the union.
   std::vector<uint32_t> turned = {};  ///< Faces that are turned, in parts inside out: ascending.
 };
 

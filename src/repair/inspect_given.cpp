@@ -94,6 +94,8 @@ void keepUnited(RepairRun& run) {
   run.mended.filled = {run.mended.filled.holes + united.filled.holes,
                        run.mended.filled.faces + united.filled.faces};
   run.report.unitedFaces = united.cutFaces;
+  run.report.cleanedFaces = united.cleanedFaces;
+  run.report.buriedShare = united.buriedShare;
   run.report.stats.invertedParts = std::move(united.inverted.firsts);
   warnOfInvertedParts(run.report.stats, run.machine.warn);
 }

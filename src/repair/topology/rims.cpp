@@ -9,12 +9,13 @@ namespace raymap {
 
 namespace {
 
-/// Returns the edges that only one face uses, by their first vertex.
-std::vector<BorderEdge> findBorderEdges(const Mesh& mesh) {
+/// Returns the edges of rims, by their first vertex.
+std::vector<BorderEdge> findBorderEdges(const Mesh& mesh, BorderEdges which) {
   Buffer<SortKey> keys;
   const std::span<const SortKey> halfEdges = sortHalfEdges(mesh, unwelded(mesh.vertices.size()), keys);
   std::vector<BorderEdge> edges;
   forEachEdge(halfEdges, 0, halfEdges.size(), [&](std::span<const SortKey> edge) {
+    if (which == BorderEdges::OneFace && edge.size() != 1) return;
     int surplus = 0;
     for (const SortKey& key : edge) surplus += halfEdgeOf(key).isForward ? 1 : -1;
     for (const SortKey& key : edge) {
@@ -31,8 +32,8 @@ std::vector<BorderEdge> findBorderEdges(const Mesh& mesh) {
 
 }  // namespace
 
-Rims findRims(const Mesh& mesh) {
-  const std::vector<BorderEdge> edges = findBorderEdges(mesh);
+Rims findRims(const Mesh& mesh, BorderEdges which) {
+  const std::vector<BorderEdge> edges = findBorderEdges(mesh, which);
   std::vector<bool> isUsed(edges.size());
   const auto take = [&](uint32_t& place) {
     auto e = size_t(std::ranges::lower_bound(edges, place, {}, &BorderEdge::from) - edges.begin());

@@ -17,6 +17,8 @@ namespace raymap {
 struct UnitedParts {
   Mesh mesh = {};
   size_t cutFaces = 0;                      ///< Number of faces that were cut, also to part solids at edges.
+  size_t cleanedFaces = 0;                  ///< Number of degenerate and repeated faces that were removed.
+  double buriedShare = 0.0;                 ///< Share of the area that lies within the union.
   FilledHoles filled = {};                  ///< Holes that were closed, and the faces that do.
   InvertedParts inverted = {};              ///< Parts that were inside out, crossed others and were turned.
   std::vector<uint32_t> turned = {};        ///< All faces that were turned, ascending.
@@ -25,7 +27,7 @@ struct UnitedParts {
 
 /// Cuts the faces of a mesh where they cross, overlap or touch, and keeps what bounds the union. With
 /// `mayTurn`, turns parts first that are inside out and cross others. With `closesHoles`, closes all holes
-/// before, unless a part is a sheet.
+/// before, unless a part is a sheet; rims between faces that face against each other, too, if it may turn.
 UnitedParts uniteParts(const Model& mesh, bool mayTurn, bool closesHoles = false);
 
 }  // namespace raymap
