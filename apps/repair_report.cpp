@@ -167,7 +167,13 @@ void print(const RepairArguments& arguments, const RepairGrid& grid, const Repai
   std::printf("  %-22s %g before, %g after\n", "area", before.area, after.area);
   std::printf("  %-22s %s before, %s after\n", "crossing faces", pairsText(report.crossingBefore).c_str(),
               pairsText(report.crossingAfter).c_str());
-  if (report.keepsFaces()) return print(report.simplified);
+  const auto printBuried = [&] {
+    printShare(report.buriedShare, "of the mesh lies inside the solid, and is not part of its surface");
+  };
+  if (report.keepsFaces()) {
+    printBuried();
+    return print(report.simplified);
+  }
   print("result from mesh", report.resultFromMesh, grid.spacing);
   print("mesh from result", report.meshFromResult, grid.spacing);
   if (report.lostShare > 0.0) print("  of it what is kept", report.keptFromResult, grid.spacing);
@@ -177,7 +183,7 @@ void print(const RepairArguments& arguments, const RepairGrid& grid, const Repai
     std::printf("  %-22s %s with the corners of another\n", "left out", counted(leftOut, "face").c_str());
   if (report.stats.patchTriangles > 0)
     std::printf("  %-22s area %.4g\n", "closed holes", report.stats.patchArea);
-  printShare(report.buriedShare, "of the mesh lies inside the solid, and is not part of its surface");
+  printBuried();
   printShare(report.loss.solidShare,
              "of the mesh is lost with the solid that it bounds, thinner than the samples");
   printShare(report.loss.openShare, "of the mesh is lost and bounds no solid: sheets, open surface");

@@ -129,8 +129,8 @@ struct RepairReport {
   Deviation meshFromResult = {};  ///< From points of the given mesh, moved by the offset, to the result.
                                   ///< Includes lost points; excludes buried ones.
   Deviation keptFromResult = {};  ///< The same without the lost points.
-  /// Share of the mesh's area more than a sample inside the result. A tolerance above the default allows as
-  /// much more, here and in `lostShare`.
+  /// Share of the mesh's area more than a sample inside the result; where parts were united, all inside it.
+  /// A tolerance above the default allows as much more, here and in `lostShare`.
   double buriedShare = 0.0;
   double lostShare = 0.0;  ///< Share of it more than a sample outside: thinner than the samples, or open.
   /// Share of the mesh's area that the offset removes, where other parts are closer. All other shares are

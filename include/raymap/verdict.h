@@ -43,11 +43,11 @@ enum class RepairDepth : uint8_t {
 
 /// Why a repair needed a field.
 enum class FieldReason : uint8_t {
-  None,       ///< It did not.
-  Asked,      ///< Options ask for new faces or for another shape.
-  Open,       ///< Faces do not bound a solid, even with holes closed and faces reversed.
-  InsideOut,  ///< An outermost part is inside out.
-  Crossing    ///< Parts that cross, overlap or touch could not be united exactly.
+  None,     ///< It did not.
+  Asked,    ///< Options ask for new faces or for another shape.
+  Open,     ///< Faces do not bound a solid, even with holes closed and faces reversed.
+  Sheet,    ///< A part is a sheet, an open surface that needs a thickness.
+  Crossing  ///< Parts that cross, overlap or touch could not be united exactly.
 };
 
 /// Kind of thing that a mesh is, and what makes a clean solid of it.

@@ -60,7 +60,7 @@ FieldReason = Literal[
     "none",
     "asked",
     "open",
-    "inside_out",
+    "sheet",
     "crossing",
 ]
 
@@ -449,8 +449,8 @@ class RepairReport(TypedDict):
     kept_from_result: Deviation
     """The same without the lost points."""
     buried_share: float
-    """Share of the mesh's area more than a sample inside the result. A tolerance above the default allows as much more,
-    here and in ``lost_share``."""
+    """Share of the mesh's area more than a sample inside the result; where parts were united, all inside it. A
+    tolerance above the default allows as much more, here and in ``lost_share``."""
     lost_share: float
     """Share of it more than a sample outside: thinner than the samples, or open."""
     trimmed_share: float

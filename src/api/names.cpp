@@ -158,8 +158,8 @@ template <>
 struct Names<FieldReason> {
   static constexpr std::string_view kKind = "reason of a field";
   static constexpr std::array kValues{FieldReason::None, FieldReason::Asked, FieldReason::Open,
-                                      FieldReason::InsideOut, FieldReason::Crossing};
-  static constexpr std::array<std::string_view, 5> kNames{"none", "asked", "open", "inside_out", "crossing"};
+                                      FieldReason::Sheet, FieldReason::Crossing};
+  static constexpr std::array<std::string_view, 5> kNames{"none", "asked", "open", "sheet", "crossing"};
 };
 
 template <>

@@ -292,20 +292,32 @@ std::optional<UnitedFaces> uniteFaces(const Model& mesh) {
   const std::optional<std::vector<int>> fronts = PieceWinding(lattice, *cut).find();
   if (!fronts) return {};
   const Pieces parts = findPieces(mesh);
+  bool isAnyInverted = false;
+  for (size_t p = 0; p < fronts->size() && !isAnyInverted; ++p)
+    isAnyInverted = (*fronts)[p] < 0 && parts.pieces[parts.ids[cut->pieces[p].face]].isCavity();
+  const auto isInside = [&](int number) { return number > 0 || (isAnyInverted && number < 0); };
   std::vector<glm::uvec3> kept;
-  double volume = 0.0;
-  bool isInverted = false;
+  std::vector<uint32_t> turned;
+  double volume = 0.0, area = 0.0, buried = 0.0;
   for (size_t p = 0; p < fronts->size(); ++p) {
-    const auto& [corners, face, layers, isTurned] = cut->pieces[p];
+    auto [corners, face, layers, isTurned] = cut->pieces[p];
     const int front = (*fronts)[p];
-    isInverted = isInverted || (front < 0 && parts.pieces[parts.ids[face]].isCavity());
-    if (front > 0 || front + layers < 1) continue;
-    kept.push_back(corners);
     const auto at = [&](uint32_t point) { return lattice.placeOf(cut->points.rounded(point)); };
+    const double pieceArea = triangleArea(at(corners.x), at(corners.y), at(corners.z));
+    area += pieceArea;
+    if (isInside(front) && isInside(front + layers)) buried += pieceArea;
+    if (isInside(front) == isInside(front + layers)) continue;
+    if (isInside(front)) {
+      std::swap(corners.y, corners.z);
+      turned.push_back(face);
+    }
+    kept.push_back(corners);
     volume += glm::dot(at(corners.x), glm::cross(at(corners.y), at(corners.z))) / 6.0;
   }
+  std::ranges::sort(turned);
+  turned.erase(std::unique(turned.begin(), turned.end()), turned.end());
   return UnitedFaces{meshOf(mesh, lattice, *cut, kept), size_t(std::ranges::count(cut->isCut, true)), volume,
-                     isInverted};
+                     area > 0.0 ? buried / area : 0.0, std::move(turned)};
 }
 
 }  // namespace raymap

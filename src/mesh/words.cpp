@@ -181,8 +181,8 @@ const char* describe(FieldReason reason) {
       return "the options ask for new faces";
     case FieldReason::Open:
       return "its faces do not bound a solid, even with holes closed and faces reversed";
-    case FieldReason::InsideOut:
-      return "an outermost part of it is inside out";
+    case FieldReason::Sheet:
+      return "a part of it is a sheet, an open surface that needs a thickness";
     case FieldReason::Crossing:
       return "its parts cross or touch and could not be united exactly";
     default:

@@ -83,15 +83,19 @@ void keepCleaned(const Model& mesh, RepairRun& run) {
 /// Keeps the faces of a mesh whose parts cross, overlap or touch: those that bound their union.
 void keepUnited(RepairRun& run) {
   const bool mayTurn = run.fieldOptions.orientation != Orientation::Keep;
-  UnitedParts united = uniteParts(Model(MeshView(run.mesh())), mayTurn);
+  UnitedParts united = uniteParts(Model(MeshView(run.mesh())), mayTurn, run.options.closeHoles);
   run.report.fieldReason = united.failure;
   if (united.failure != FieldReason::None) return;
   std::vector<uint32_t> turned;
-  std::ranges::set_symmetric_difference(run.mended.turned, united.inverted.faces, std::back_inserter(turned));
+  std::ranges::set_symmetric_difference(run.mended.turned, united.turned, std::back_inserter(turned));
   std::erase_if(turned, [&](uint32_t face) { return face >= run.given.triangles.size(); });
   run.mended.turned = std::move(turned);
   keep(Model(united.mesh), RepairDepth::Mended, run);
+  run.mended.filled = {run.mended.filled.holes + united.filled.holes,
+                       run.mended.filled.faces + united.filled.faces};
   run.report.unitedFaces = united.cutFaces;
+  run.report.cleanedFaces = united.cleanedFaces;
+  run.report.buriedShare = united.buriedShare;
   run.report.stats.invertedParts = std::move(united.inverted.firsts);
   warnOfInvertedParts(run.report.stats, run.machine.warn);
 }

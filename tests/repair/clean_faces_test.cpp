@@ -108,6 +108,39 @@ TEST(CleanFaces, LeavesOutTheFlapThatAFlipLeaves) {
   EXPECT_EQ(cleaned.mesh.vertices.size(), box.vertices.size());
 }
 
+TEST(CleanFaces, LeavesOutTheOtherSideOfFacesThatCloseTheSurface) {
+  const Mesh ball = shapes::sphere(1.0, 2);
+  const double volume = diagnose(ball).signedVolume;
+  for (const bool isFirst : {false, true}) {
+    Mesh doubled = ball;
+    doubled.triangles.clear();
+    const auto add = [&](bool isTurned) {
+      for (size_t f = 0; f < ball.triangles.size(); ++f) {
+        const glm::uvec3& t = ball.triangles[f];
+        const bool isDoubled = ball.vertices[t.x].z > 0.3f || f == 0;
+        if (!isTurned) doubled.triangles.push_back(t);
+        if (isTurned && isDoubled) doubled.triangles.emplace_back(t.x, t.z, t.y);
+      }
+    };
+    add(isFirst);
+    add(!isFirst);
+    ASSERT_GT(doubled.triangles.size(), ball.triangles.size() + 20);
+    const CleanedFaces cleaned = cleanFaces(Model(doubled));
+    expectRight(cleaned, volume);
+    EXPECT_EQ(cleaned.mesh.triangles, ball.triangles);
+    EXPECT_EQ(cleaned.count, doubled.triangles.size() - ball.triangles.size());
+  }
+}
+
+TEST(CleanFaces, KeepsBothSidesOfASheetOnASolid) {
+  Mesh fin = shapes::box({0, 0, 0}, {2, 2, 2});
+  const auto top = uint32_t(fin.vertices.size());
+  fin.vertices.emplace_back(0.0f, 0.0f, 5.0f);
+  fin.triangles.emplace_back(0, 1, top);
+  fin.triangles.emplace_back(1, 0, top);
+  EXPECT_EQ(cleanFaces(Model(fin)).mesh.triangles, fin.triangles);
+}
+
 TEST(CleanFaces, LeavesOutRepeatedFacesAndRepeatedCorners) {
   const Mesh ball = shapes::sphere(1.0, 2);
   Mesh mesh = ball;
@@ -161,12 +194,15 @@ TEST(CleanFaces, LetsARepairCloseHolesAndTurnFacesToo) {
   EXPECT_DOUBLE_EQ(made.report.after.signedVolume, diagnose(ball).signedVolume);
 }
 
-TEST(CleanFaces, LeavesAMeshThatCrossesToTheField) {
+TEST(CleanFaces, LetsPartsThatCrossBeUnited) {
   Mesh mesh = shapes::joined(shapes::sphere(1.0, 2), shapes::sphere(1.0, 2, {1.0, 0.1, 0.2}));
+  const double volume = repaired(mesh).report.after.signedVolume;
   mesh.triangles.push_back(mesh.triangles[0]);
   const Repaired made = repaired(mesh);
-  EXPECT_FALSE(made.report.keepsFaces());
-  EXPECT_EQ(made.report.cleanedFaces, 0u);
+  EXPECT_TRUE(made.report.keepsFaces());
+  EXPECT_EQ(made.report.cleanedFaces, 1u);
+  EXPECT_GT(made.report.unitedFaces, 0u);
+  EXPECT_DOUBLE_EQ(made.report.after.signedVolume, volume);
 }
 
 }  // namespace

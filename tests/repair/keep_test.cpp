@@ -83,8 +83,8 @@ TEST(Keep, RepairsWhatIsWrong) {
   const Mesh crossing = joined(ball(), shapes::sphere(1.0, 3, {1, 0, 0}));
   for (const Mesh& mesh : {open, shapes::inverted(ball()), crossing}) {
     const Repaired made = repaired(mesh, {.closeHoles = false});
-    EXPECT_EQ(made.report.keepsFaces(), made.report.unitedFaces > 0);
-    EXPECT_EQ(made.report.keepsFaces(), made.report.before.signedVolume > 5.0);  // The crossing balls.
+    EXPECT_EQ(made.report.keepsFaces(), made.report.before.watertight);
+    EXPECT_EQ(made.report.unitedFaces > 0, made.report.before.signedVolume > 5.0);  // The crossing balls.
     EXPECT_FALSE(made.report.partsOverlap);
     EXPECT_TRUE(made.report.after.watertight);
     EXPECT_GT(made.report.after.signedVolume, 3.9);
@@ -112,19 +112,26 @@ TEST(Keep, FillsHolesIfNothingIsWrongThen) {
   EXPECT_EQ(made.report.solids, 1u);
   EXPECT_FALSE(closed(open, {.remesh = true}).report.keepsFaces());
   EXPECT_FALSE(closed(open, {}, false).report.keepsFaces());
-  // Something crosses what fills the hole, or lies behind it.
+  // Something crosses what fills the hole, or lies behind it: the union stays.
   const Mesh bowl = keepTriangles(ball(), [&](const glm::uvec3& t) { return ball().position(t.x).z < 0.5; });
   EXPECT_TRUE(closed(bowl).report.keepsFaces());
   const Mesh crossed = joined(bowl, shapes::sphere(0.25, 2, {0, 0, 0.5}));
   EXPECT_EQ(findSelfIntersections(crossed).pairs, 0u);
   const Mesh behind = joined(bowl, shapes::sphere(0.2, 2));
-  EXPECT_FALSE(closed(shapes::inverted(open)).report.keepsFaces());
+  const double volume = closed(bowl).report.after.signedVolume,
+               small = closed(crossed).report.after.signedVolume;
+  EXPECT_TRUE(closed(shapes::inverted(open)).report.keepsFaces());
   for (const Mesh& mesh : {crossed, behind}) {
     const Repaired other = closed(mesh);
-    EXPECT_FALSE(other.report.keepsFaces());
+    EXPECT_TRUE(other.report.keepsFaces());
     EXPECT_FALSE(other.report.partsOverlap);
-    EXPECT_EQ(other.report.closedHoles, 0u);
+    EXPECT_EQ(other.report.closedHoles, 1u);
+    EXPECT_TRUE(other.report.after.watertight);
+    EXPECT_EQ(other.report.crossingAfter.pairs, 0u);
   }
+  EXPECT_NEAR(closed(behind).report.after.signedVolume, volume, 1e-6);
+  EXPECT_GT(small, volume + 0.005);  // A part of the small ball, 0.063: the hole is closed by a dome.
+  EXPECT_LT(small, volume + 0.06);
 }
 
 TEST(Keep, RepairsPartsThatOverlapOrFaceTheWrongWay) {
@@ -140,8 +147,10 @@ TEST(Keep, RepairsPartsThatOverlapOrFaceTheWrongWay) {
   }
   const Mesh apart = joined(big, box(glm::dvec3(4), glm::dvec3(5)));
   EXPECT_TRUE(repaired(apart).report.keepsFaces());
-  EXPECT_FALSE(
-      repaired(joined(big, shapes::inverted(box(glm::dvec3(4), glm::dvec3(5))))).report.keepsFaces());
+  const Repaired turned = repaired(joined(big, shapes::inverted(box(glm::dvec3(4), glm::dvec3(5)))));
+  EXPECT_TRUE(turned.report.keepsFaces());
+  EXPECT_EQ(turned.report.stats.turnedFaces.size(), 12u);
+  EXPECT_NEAR(turned.report.after.signedVolume, 28.0, 1e-4);
 }
 
 TEST(Keep, DropsFromARightMeshOnlyWhatIsAskedFor) {

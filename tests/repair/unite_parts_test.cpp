@@ -7,6 +7,7 @@
 #include <array>
 #include <glm/gtc/matrix_transform.hpp>
 #include <initializer_list>
+#include <numeric>
 #include <random>
 #include <vector>
 
@@ -164,13 +165,77 @@ TEST(UniteParts, UnitesThinSheetsStraightAndRotated) {
   }
 }
 
-TEST(UniteParts, LeavesOpenMeshesAndLonePartsInsideOutToTheField) {
+TEST(UniteParts, ClosesHolesIfAskedTo) {
   Mesh open = join({shapes::box({0, 0, 0}, {2, 2, 2}), shapes::box({1, 1, 1}, {3, 3, 3})});
   open.triangles.pop_back();
   EXPECT_EQ(uniteParts(Model(open), true).failure, FieldReason::Open);
+  const UnitedParts united = uniteParts(Model(open), true, true);
+  ASSERT_EQ(united.failure, FieldReason::None);
+  EXPECT_TRUE(isAllRight(Model(united.mesh)));
+  EXPECT_NEAR(diagnose(united.mesh).signedVolume, 15.0, 1e-5);
+  EXPECT_EQ(united.filled.holes, 1u);
+  EXPECT_EQ(united.filled.faces, 1u);
+}
+
+TEST(UniteParts, ClosesHolesThatEndAtEdgesOfThreeFaces) {
+  // A box without a side, and a box whose edge lies on the rim of the hole: that edge has three faces.
+  Mesh open = shapes::box({0, 0, 0}, {2, 2, 2});
+  std::erase_if(open.triangles, [&](const glm::uvec3& t) {
+    return open.position(t.x).x == 2.0 && open.position(t.y).x == 2.0 && open.position(t.z).x == 2.0;
+  });
+  ASSERT_EQ(open.triangles.size(), 10u);
+  const Mesh both = join({open, shapes::box({2, 2, 0}, {4, 4, 2})});
+  ASSERT_EQ(diagnose(both).nonManifoldEdges, 1u);
+  const UnitedParts united = uniteParts(Model(both), true, true);
+  ASSERT_EQ(united.failure, FieldReason::None);
+  EXPECT_TRUE(isAllRight(Model(united.mesh)));
+  EXPECT_EQ(united.filled.holes, 1u);
+  EXPECT_EQ(united.filled.faces, 2u);
+  EXPECT_NEAR(diagnose(united.mesh).signedVolume, 16.0, 0.01);  // The boxes are parted at their edge.
+}
+
+TEST(UniteParts, LeavesSheetsToTheField) {
+  Mesh sheet = shapes::box({5, 5, 5}, {6, 6, 6});
+  sheet.triangles.resize(2);
+  const Mesh mesh = join({shapes::box({0, 0, 0}, {2, 2, 2}), shapes::box({1, 1, 1}, {3, 3, 3}), sheet});
+  EXPECT_EQ(uniteParts(Model(mesh), true, true).failure, FieldReason::Sheet);
+}
+
+TEST(UniteParts, TurnsLonePartsInsideOut) {
   const Mesh lone = shapes::inverted(shapes::box({5, 5, 5}, {6, 6, 6}));
-  EXPECT_EQ(uniteParts(Model(join({shapes::box({0, 0, 0}, {2, 2, 2}), lone})), true).failure,
-            FieldReason::InsideOut);
+  const Mesh mesh = join({shapes::box({0, 0, 0}, {2, 2, 2}), shapes::box({1, 1, 1}, {3, 3, 3}), lone});
+  const UnitedParts united = uniteParts(Model(mesh), true);
+  ASSERT_EQ(united.failure, FieldReason::None);
+  EXPECT_TRUE(isAllRight(Model(united.mesh)));
+  EXPECT_NEAR(diagnose(united.mesh).signedVolume, 16.0, 1e-5);
+  std::vector<uint32_t> faces(12);
+  std::iota(faces.begin(), faces.end(), 24u);
+  EXPECT_EQ(united.turned, faces);
+}
+
+TEST(UniteParts, TellsWhatShareOfTheAreaLiesInside) {
+  const UnitedParts nested =
+      uniteParts(Model(join({shapes::box({0, 0, 0}, {3, 3, 3}), shapes::box({1, 1, 1}, {2, 2, 2})})), true);
+  EXPECT_NEAR(nested.buriedShare, 6.0 / 60.0, 1e-6);
+  const UnitedParts crossing =
+      uniteParts(Model(join({shapes::box({0, 0, 0}, {2, 2, 2}), shapes::box({1, 1, 1}, {3, 3, 3})})), true);
+  EXPECT_NEAR(crossing.buriedShare, 6.0 / 48.0, 1e-6);
+  const Mesh mesh = join({shapes::box({0, 0, 0}, {3, 3, 3}), shapes::box({1, 1, 1}, {2, 2, 2})});
+  const Repaired made = repair(mesh, fitRepairGrid(mesh, {.resolution = 16}));
+  EXPECT_NEAR(made.report.buriedShare, 6.0 / 60.0, 1e-6);
+}
+
+TEST(UniteParts, NumbersTurnedFacesAsGiven) {
+  // The first face is repeated, so others move up before a hole is closed and the lone box is turned.
+  Mesh mesh = join({shapes::box({0, 0, 0}, {2, 2, 2}), shapes::box({1, 1, 1}, {3, 3, 3}),
+                    shapes::inverted(shapes::box({5, 5, 5}, {6, 6, 6}))});
+  mesh.triangles.insert(mesh.triangles.begin() + 1, {0, 0, 1});
+  mesh.triangles.erase(mesh.triangles.begin());
+  const UnitedParts united = uniteParts(Model(mesh), true, true);
+  ASSERT_EQ(united.failure, FieldReason::None);
+  std::vector<uint32_t> faces(12);
+  std::iota(faces.begin(), faces.end(), 24u);
+  EXPECT_EQ(united.turned, faces);
 }
 
 TEST(UniteParts, RepairKeepsTheFacesOfCrossingParts) {

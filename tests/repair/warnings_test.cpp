@@ -65,7 +65,7 @@ Mesh bentBoxes() {
 TEST(RepairWarnings, TellHowFarTheResultLeavesTheBounds) {
   const Mesh mesh = bentBoxes();
   const GridOptions fine{.resolution = 48, .padding = 0.25};
-  const auto warning = onlyWarning(WarningCode::BoundsLeft, mesh, {}, fine);
+  const auto warning = onlyWarning(WarningCode::BoundsLeft, mesh, {.remesh = true}, fine);
   ASSERT_TRUE(warning.has_value());
   EXPECT_GT(warning->fields.length, 2.0 * fitRepairGrid(mesh, fine).spacing);
   EXPECT_LT(warning->fields.length, 9.0);
@@ -75,10 +75,12 @@ TEST(RepairWarnings, TellHowFarTheResultLeavesTheBounds) {
   EXPECT_FALSE(
       onlyWarning(WarningCode::BoundsLeft, box({0, 0, 0}, {9, 9, 9}), {.offset = 2.0}, {.resolution = 32}));
   // The box of the samples cuts it off.
-  const auto cut = onlyWarning(WarningCode::BoundsLeft, mesh, {}, {.resolution = 48, .padding = 0.03});
+  const auto cut =
+      onlyWarning(WarningCode::BoundsLeft, mesh, {.remesh = true}, {.resolution = 48, .padding = 0.03});
   ASSERT_TRUE(cut.has_value());
   EXPECT_NE(cut->message.find("would reach farther"), std::string::npos) << cut->message;
-  EXPECT_FALSE(onlyWarning(WarningCode::BoxReached, mesh, {}, {.resolution = 48, .padding = 0.03}));
+  EXPECT_FALSE(
+      onlyWarning(WarningCode::BoxReached, mesh, {.remesh = true}, {.resolution = 48, .padding = 0.03}));
 }
 
 TEST(RepairWarnings, TellOfWallsThatGrow) {

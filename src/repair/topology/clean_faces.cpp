@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
 #include <optional>
 #include <utility>
 
@@ -45,6 +46,46 @@ void leaveOutRepeated(CleanedFaces& cleaned) {
   std::vector<bool> isRepeated(cleaned.given.size());
   for (const uint32_t face : findDoubleSidedFaces(PackedMesh(cleaned.mesh)).repeated) isRepeated[face] = true;
   leaveOut(isRepeated, cleaned);
+}
+
+/// Leaves out one of two faces that lie on each other, one of them turned, where the other one continues the
+/// surface around it: the edges between them are not balanced.
+void leaveOutOtherSides(CleanedFaces& cleaned) {
+  const DoubleSidedFaces found = findDoubleSidedFaces(PackedMesh(cleaned.mesh));
+  if (found.empty()) return;
+  const std::vector<glm::uvec3>& faces = cleaned.mesh.triangles;
+  std::map<std::pair<uint32_t, uint32_t>, int> surplus;  // Of each edge: faces that run along it and back.
+  const auto add = [&](const glm::uvec3& t, int count) {
+    for (int k = 0; k < 3; ++k) {
+      const auto [low, high] = std::minmax({t[k], t[(k + 1) % 3]});
+      if (const auto edge = surplus.find({low, high}); edge != surplus.end())
+        edge->second += low == t[k] ? count : -count;
+    }
+  };
+  const auto along = [&](const glm::uvec3& t) {
+    int sum = 0;
+    for (int k = 0; k < 3; ++k) {
+      const auto [low, high] = std::minmax({t[k], t[(k + 1) % 3]});
+      sum += (low == t[k] ? 1 : -1) * surplus.at({low, high});
+    }
+    return sum;
+  };
+  for (const uint32_t f : found.firsts)
+    for (int k = 0; k < 3; ++k) surplus[std::minmax({faces[f][k], faces[f][(k + 1) % 3]})] = 0;
+  for (const glm::uvec3& t : faces) add(t, 1);
+  std::vector<bool> isLeftOut(faces.size()), isDecided(found.firsts.size());
+  for (bool isAny = true; isAny;) {
+    isAny = false;
+    for (size_t k = 0; k < found.others.size(); ++k) {
+      const uint32_t first = found.firsts[found.groupOf[k]];
+      const int more = isDecided[found.groupOf[k]] ? 0 : along(faces[first]);
+      if (more == 0) continue;
+      const uint32_t out = more > 0 ? first : found.others[k];
+      add(faces[out], -1);
+      isLeftOut[out] = isDecided[found.groupOf[k]] = isAny = true;
+    }
+  }
+  leaveOut(isLeftOut, cleaned);
 }
 
 /// Edges of a face by length: edge k goes from corner k to the next.
@@ -194,6 +235,7 @@ CleanedFaces cleanFaces(const Model& mesh, bool areRounded) {
   for (uint32_t f = 0; f < cleaned.mesh.triangles.size(); ++f) cleaned.given.push_back(f);
   leaveOutFlat(cleaned);
   leaveOutRepeated(cleaned);
+  leaveOutOtherSides(cleaned);
   for (int round = 0; round < kMostRounds; ++round) {
     const std::vector<uint32_t> degenerate = degenerateFaces(Model(cleaned.mesh));
     if (degenerate.empty()) break;

@@ -17,12 +17,12 @@ struct CleanedFaces {
   size_t count = 0;                  ///< Number of faces that were removed or replaced with a neighbour.
 };
 
-/// Leaves out faces with a repeated corner, and repeated ones that close nothing. Welds the ends of edges
-/// shorter than 1e-6 of the longest edge of a degenerate face. Flips the longest edge of the other degenerate
-/// faces, which moves no surface by more than their height, unless that leaves a degenerate face. If
-/// corners are rounded, welds edges of up to 1e-5 of the longest, or of 1e-6 of the mesh, and flips edges
-/// between two degenerate faces, too: more faces go, but others may cross then. Faces that stay degenerate
-/// become just high enough.
+/// Leaves out faces with a repeated corner, repeated ones that close nothing, and the other side of faces
+/// that the surface around them needs once. Welds the ends of edges shorter than 1e-6 of the longest edge of
+/// a degenerate face. Flips the longest edge of the other degenerate faces, which moves no surface by more
+/// than their height, unless that leaves a degenerate face. If corners are rounded, welds edges of up to 1e-5
+/// of the longest, or of 1e-6 of the mesh, and flips edges between two degenerate faces, too: more faces go,
+/// but others may cross then. Faces that stay degenerate become just high enough.
 CleanedFaces cleanFaces(const Model& mesh, bool areRounded = false);
 
 /// Moves the apex of faces that are lower than rounding may move a vertex, so that rounding may have turned

@@ -89,9 +89,9 @@ class RimFiller {
 }  // namespace
 
 FilledHoles fillHoles(Mesh& mesh) {
-  const Rims rims = findRims(mesh);
+  const Rims rims = findRims(mesh, BorderEdges::Unbalanced);
   const auto canFill = [](const Rim& rim) { return rim.size() >= 3 && rim.size() <= kMostEdges; };
-  if (!rims.open.empty() || !std::ranges::all_of(rims.closed, canFill)) return {};
+  if (!std::ranges::all_of(rims.closed, canFill)) return {};
   const size_t before = mesh.triangles.size();
   for (const Rim& rim : rims.closed) RimFiller(mesh, rim).append(mesh.triangles);
   return {rims.closed.size(), mesh.triangles.size() - before};

@@ -13,6 +13,7 @@ struct FilledHoles {
 
 /// Appends faces that close all holes of a mesh whose equal positions are one vertex. Each hole gets the
 /// triangulation of its rim whose sharpest edge is least sharp, and the least area among those (Liepa 2003).
+/// Holes end at edges that faces use more often in one direction than in the other, so no such edge is left.
 /// Leaves the mesh as it is if a rim has more than 300 edges. The new faces may cross others.
 FilledHoles fillHoles(Mesh& mesh);
 

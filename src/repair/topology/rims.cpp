@@ -9,16 +9,22 @@ namespace raymap {
 
 namespace {
 
-/// Returns the edges that only one face uses, by their first vertex.
-std::vector<BorderEdge> findBorderEdges(const Mesh& mesh) {
+/// Returns the edges of rims, by their first vertex.
+std::vector<BorderEdge> findBorderEdges(const Mesh& mesh, BorderEdges which) {
   Buffer<SortKey> keys;
   const std::span<const SortKey> halfEdges = sortHalfEdges(mesh, unwelded(mesh.vertices.size()), keys);
   std::vector<BorderEdge> edges;
   forEachEdge(halfEdges, 0, halfEdges.size(), [&](std::span<const SortKey> edge) {
-    if (edge.size() != 1) return;
-    const HalfEdge only = halfEdgeOf(edge[0]);
-    const glm::uvec3& t = mesh.triangles[only.face];
-    edges.push_back({only.to(), only.from(), t.x ^ t.y ^ t.z ^ only.low ^ only.high});
+    if (which == BorderEdges::OneFace && edge.size() != 1) return;
+    int surplus = 0;
+    for (const SortKey& key : edge) surplus += halfEdgeOf(key).isForward ? 1 : -1;
+    for (const SortKey& key : edge) {
+      const HalfEdge side = halfEdgeOf(key);
+      if (surplus == 0 || side.isForward != (surplus > 0)) continue;
+      surplus += surplus > 0 ? -1 : 1;
+      const glm::uvec3& t = mesh.triangles[side.face];
+      edges.push_back({side.to(), side.from(), t.x ^ t.y ^ t.z ^ side.low ^ side.high});
+    }
   });
   std::ranges::sort(edges, {}, &BorderEdge::from);
   return edges;
@@ -26,8 +32,8 @@ std::vector<BorderEdge> findBorderEdges(const Mesh& mesh) {
 
 }  // namespace
 
-Rims findRims(const Mesh& mesh) {
-  const std::vector<BorderEdge> edges = findBorderEdges(mesh);
+Rims findRims(const Mesh& mesh, BorderEdges which) {
+  const std::vector<BorderEdge> edges = findBorderEdges(mesh, which);
   std::vector<bool> isUsed(edges.size());
   const auto take = [&](uint32_t& place) {
     auto e = size_t(std::ranges::lower_bound(edges, place, {}, &BorderEdge::from) - edges.begin());

@@ -21,7 +21,14 @@ struct Rims {
   std::vector<uint32_t> open;  ///< A vertex of each chain of border edges that does not close.
 };
 
+/// Edges that make rims.
+enum class BorderEdges : uint8_t {
+  OneFace,    ///< Those of one face.
+  Unbalanced  ///< Those that faces use more often in one direction than in the other. All of their rims
+              ///< close.
+};
+
 /// Finds the rims of a mesh whose equal positions are one vertex.
-Rims findRims(const Mesh& mesh);
+Rims findRims(const Mesh& mesh, BorderEdges which = BorderEdges::OneFace);
 
 }  // namespace raymap

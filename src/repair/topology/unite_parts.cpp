@@ -1,6 +1,8 @@
 #include "repair/topology/unite_parts.h"
 
+#include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <utility>
 
 #include "mesh/compact.h"
@@ -12,22 +14,37 @@
 
 namespace raymap {
 
-UnitedParts uniteParts(const Model& given, bool mayTurn) {
+UnitedParts uniteParts(const Model& given, bool mayTurn, bool closesHoles) {
   constexpr int kMostRounds = 4;        // New vertices are rounded, so that faces may cross again.
   constexpr double kSameVolume = 1e-3;  // Share of the volume that rounding and cleaning may change.
   UnitedParts united{.mesh = weldedCopy(given)};
-  if (mayTurn) united.inverted = findInvertedParts(given);
+  std::vector<uint32_t> faces;  // Of the given mesh, if some were left out.
+  if (!diagnose(united.mesh, {.brief = true}).balanced) {
+    CleanedFaces cleaned = cleanFaces(given);
+    united.mesh = std::move(cleaned.mesh);
+    faces = std::move(cleaned.given);
+    united.cleanedFaces = cleaned.count;
+    if (const Diagnostics found = diagnose(united.mesh); !found.balanced) {
+      if (found.sheets > 0) return {.failure = FieldReason::Sheet};
+      if (closesHoles && (mayTurn || found.consistentlyOriented)) united.filled = fillHoles(united.mesh);
+      if (united.filled.holes == 0) return {.failure = FieldReason::Open};
+    }
+  }
+  if (mayTurn) united.inverted = findInvertedParts(united.mesh);
   turnFaces(united.mesh, united.inverted.faces);
   double volume = 0.0;
   for (int round = 0; round < kMostRounds; ++round) {
     const Model mesh(united.mesh);
-    const Diagnostics found = diagnose(mesh, {.brief = true});
-    if (!found.balanced) return {.failure = FieldReason::Open};
     std::optional<UnitedFaces> cut = uniteFaces(mesh);
     if (!cut || cut->mesh.triangles.empty()) break;
     if (round == 0) {
-      if (cut->isAnyInverted) return {.failure = FieldReason::InsideOut};
+      std::ranges::set_symmetric_difference(united.inverted.faces, cut->turned,
+                                            std::back_inserter(united.turned));
+      std::erase_if(united.turned, [&](uint32_t f) { return !faces.empty() && f >= faces.size(); });
+      if (!faces.empty())
+        for (uint32_t& f : united.turned) f = faces[f];
       united.cutFaces += cut->cutFaces;
+      united.buriedShare = cut->buriedShare;
       volume = cut->volume;
     }
     united.mesh = cleanFaces(Model(cut->mesh), true).mesh;

@@ -4,9 +4,12 @@
 #include <raymap/verdict.h>
 
 #include <cstddef>
+#include <cstdint>
+#include <vector>
 
 #include "mesh/inverted_parts.h"
 #include "mesh/model.h"
+#include "repair/topology/fill_holes.h"
 
 namespace raymap {
 
@@ -14,12 +17,17 @@ namespace raymap {
 struct UnitedParts {
   Mesh mesh = {};
   size_t cutFaces = 0;                      ///< Number of faces that were cut, also to part solids at edges.
-  InvertedParts inverted = {};              ///< Parts that were inside out and were turned.
+  size_t cleanedFaces = 0;                  ///< Number of degenerate and repeated faces that were removed.
+  double buriedShare = 0.0;                 ///< Share of the area that lies within the union.
+  FilledHoles filled = {};                  ///< Holes that were closed, and the faces that do.
+  InvertedParts inverted = {};              ///< Parts that were inside out, crossed others and were turned.
+  std::vector<uint32_t> turned = {};        ///< All faces that were turned, ascending.
   FieldReason failure = FieldReason::None;  ///< Why there is no such mesh.
 };
 
 /// Cuts the faces of a mesh where they cross, overlap or touch, and keeps what bounds the union. With
-/// `mayTurn`, turns parts first that are inside out and cross others.
-UnitedParts uniteParts(const Model& mesh, bool mayTurn);
+/// `mayTurn`, turns parts first that are inside out and cross others. With `closesHoles`, closes all holes
+/// before, unless a part is a sheet; rims between faces that face against each other, too, if it may turn.
+UnitedParts uniteParts(const Model& mesh, bool mayTurn, bool closesHoles = false);
 
 }  // namespace raymap
