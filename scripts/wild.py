@@ -1,0 +1,410 @@
+#!/usr/bin/env python3
+"""Breaks closed meshes in known ways, and measures what Raymap and other packages make of them: docs/wild.md.
+
+The truth is that of the closed mesh. Every case runs in a process of its own. Results lie in --out, a file for each package:
+a run that was stopped goes on there."""
+
+import argparse
+import collections
+import concurrent.futures
+import importlib.metadata
+import json
+import os
+import pathlib
+import pickle
+import re
+import resource
+import select
+import signal
+import statistics
+import sys
+import time
+
+import numpy as np
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent
+sys.path.append(str(ROOT / "bench"))
+os.environ |= {name: "1" for name in ("OMP_NUM_THREADS", "IGL_NUM_THREADS", "RAYMAP_THREADS")}
+import wild_meshes  # noqa: E402
+import wild_peers  # noqa: E402
+from harness import exact_distance, exact_winding, measured, positions, spread  # noqa: E402
+
+PACKAGES = ("libigl", "open3d-cpu", "trimesh", "pysdf", "mesh2sdf", "point-cloud-utils", "warp-lang", "meshlib", "trueform", "pymeshfix",
+            "manifold3d", "numpy")  # fmt: skip
+SECONDS, CHUNK = 60, 52  # Limit of CPU time of a case; cases until results are saved.
+TOLERANCE = 0.002  # Of the diagonal: farther from the result, a point of the surface is lost.
+Grid = collections.namedtuple("Grid", "shape spacing origin")
+
+
+# Processes.
+
+
+def isolated(work, seconds=None):
+    """Returns "ok" and what a function returns in a forked process, or "refused", "crash" or "hang" and a text.
+
+    Limits the CPU time, and the time by the clock to ten times as much."""
+    ours, theirs = os.pipe()
+    child = os.fork()
+    if child == 0:
+        try:
+            if seconds:
+                resource.setrlimit(resource.RLIMIT_CPU, (seconds, seconds + 5))
+            answer = "ok", work()
+        except BaseException as error:  # Also SystemExit: the fork must not go on as its parent.
+            answer = "refused", f"{type(error).__name__}: {error}"[:300]
+        with open(theirs, "wb") as file:
+            pickle.dump(answer, file)
+        os._exit(0)
+    os.close(theirs)
+    data, end = b"", time.monotonic() + 10 * (seconds or 1e5)
+    while select.select([ours], [], [], max(0, end - time.monotonic()))[0] and (part := os.read(ours, 1 << 20)):
+        data += part
+    is_late = time.monotonic() >= end
+    if is_late:
+        os.kill(child, signal.SIGKILL)
+    os.close(ours)
+    status = os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
+    if data and status == 0:
+        return pickle.loads(data)
+    return ("hang", f"over {seconds} s") if is_late or status == -signal.SIGXCPU else ("crash", f"signal {-status}")
+
+
+# Cases and the truth.
+
+
+class Case:
+    """A mesh, the way to break it, and a seed. The truth is that of the closed mesh, with a cavity if that breaks."""
+
+    closed, hollow = {}, {}
+
+    def __init__(self, mesh, way, seed):
+        self.mesh, self.way, self.seed = mesh, way, seed
+        self.key = mesh, way == "nested"
+
+    def truth(self):
+        if self.key not in self.closed:
+            mesh = self.closed[self.mesh, False]
+            self.closed[self.key], self.hollow[self.mesh] = wild_meshes.with_cavity(mesh)
+        return self.closed[self.key]
+
+    def broken(self):
+        mesh = self.truth()
+        if self.way == "unbroken":
+            return *mesh, np.ones(len(mesh[1]), bool), 0.0
+        return wild_meshes.broken(mesh, self.way, self.seed, self.hollow.get(self.mesh))
+
+
+def field_truth(case, resolution, known={}):  # noqa: B006
+    """Returns the grid of a closed mesh, the distances of its samples and which are inside."""
+    import igl
+
+    if case.key not in known:
+        vertices, faces = case.truth()
+        low, high = vertices.min(axis=0), vertices.max(axis=0)
+        spacing = 1.2 * (high - low).max() / resolution
+        grid = Grid((resolution,) * 3, spacing, (low + high) / 2 - spacing * (resolution - 1) / 2)
+        where = np.ascontiguousarray(positions(grid))
+        distance = exact_distance((vertices, faces), where)
+        inside, near = igl.fast_winding_number(vertices, faces, where) > 0.5, distance < 2 * spacing
+        inside[near] = exact_winding((vertices, faces), where[near]) > 0.5  # Farther away the fast one is exact enough.
+        known[case.key] = grid, distance, inside
+    return known[case.key]
+
+
+def prepare_field(case, resolution):
+    """Keeps the broken mesh, and which samples are as far from it as from the closed one."""
+    grid, distance, _ = field_truth(case, resolution)
+    case.given = case.broken()
+    case.same = np.abs(exact_distance(case.given[:2], positions(grid)) - distance) < 1e-3 * grid.spacing
+
+
+def measure_field(case, run, resolution):
+    """Returns the shares of wrong signs, errors of distance in voxels and the cost.
+
+    Signs count farther from the closed surface than the break moved it, and 0.05 voxels. Errors count where the broken
+    surface is as far away as the closed one."""
+    grid, distance, inside = field_truth(case, resolution)
+    vertices, faces, _, moved = case.given
+    values, cost = measured(lambda: run(vertices, faces, grid))
+    is_known = np.isfinite(values)
+    is_clear = is_known & (distance > max(2 * moved, 0.05 * grid.spacing))
+    wrong, near = (values < 0) != inside, is_clear & (distance < 2 * grid.spacing)
+    same = is_known & case.same
+    errors = np.abs(np.abs(values[same]) - distance[same]) / grid.spacing
+    return {"wrong": wrong[is_clear].mean(), "near": wrong[near].mean() if near.any() else None, "cpu": cost["cpu"],
+            "megabytes": cost["megabytes"], **({"mean": errors.mean(), "max": errors.max()} if len(errors) else {})}  # fmt: skip
+
+
+def volume(vertices, faces):
+    a, b, c = (vertices[faces[:, k]] - vertices.mean(axis=0) for k in range(3))
+    return np.einsum("fi,fi->", a, np.cross(b, c)) / 6
+
+
+def is_watertight(faces):
+    """Returns whether each edge has two faces, which pass it in opposite directions."""
+    edges = np.concatenate([faces[:, [k, (k + 1) % 3]] for k in range(3)])
+    ways = np.unique(edges, axis=0)
+    return len(ways) == len(edges) and np.array_equal(ways, np.unique(edges[:, ::-1], axis=0))
+
+
+def face_keys(triangles):
+    """Returns the single precision bits of each face, as bytes that begin with its least corner."""
+    corners = (triangles + 0.0).astype(np.float32)
+    first = [min(range(3), key=lambda k: tuple(face[k])) for face in corners]
+    return [np.roll(face, -k, axis=0).tobytes() for face, k in zip(corners, first, strict=True)]
+
+
+def judge_repair(case, vertices, faces, said):
+    """Returns what a repaired mesh is worth beside the closed one."""
+    truth, (given, given_faces, sound, moved) = case.truth(), case.broken()
+    faces, vertices = np.asarray(faces, np.int64).reshape(-1, 3), np.asarray(vertices, float)
+    if not len(faces):
+        return {"empty": True}
+    diagonal = np.linalg.norm(np.ptp(truth[0], axis=0))
+    points = spread(truth, 2000, np.random.default_rng(case.seed))
+    is_given = exact_distance((given, given_faces), points) <= 1e-4 * diagonal + moved
+    lost = np.mean(is_given & (exact_distance((vertices, faces), points) > TOLERANCE * diagonal + moved))
+    whole = face_keys(truth[0][truth[1]][sound])
+    kept = len(set(whole) & set(face_keys(vertices[faces]))) / len(whole) if whole else None
+    tight = is_watertight(faces)
+    change = abs(volume(vertices, faces) / volume(*truth) - 1) if tight else None
+    return {"empty": False, "watertight": tight, "lost": lost, "unsaid": None if said is None else max(0, lost - said), "kept": kept,
+            "volume": change}  # fmt: skip
+
+
+def measure_repair(case, run):
+    vertices, faces, *_ = case.broken()
+    (*result, said), cost = measured(lambda: run(vertices, faces))
+    return judge_repair(case, *result, said) | cost
+
+
+def measure_cases(kind, name, cases, resolution):
+    """Imports a peer, and returns a row for each case."""
+    run, rows = wild_peers.peers(kind)[name](), []
+    for case in cases:
+        work = (lambda: measure_field(case, run, resolution)) if kind == "fields" else (lambda: measure_repair(case, run))  # noqa: B023
+        state, found = isolated(work, SECONDS)
+        row = {"mesh": case.mesh, "way": case.way, "seed": case.seed, "state": state}
+        rows.append(row | ({k: v if v is None else float(v) for k, v in found.items()} if state == "ok" else {"text": found}))
+    return rows
+
+
+def all_cases(kind, seed, count):
+    """Fields: each mesh as it is, and broken in each way. Repairs: so many breakages; each pair of mesh and way in turn."""
+    names, ways = [name for name, _ in Case.closed], list(wild_meshes.WAYS)
+    if kind == "fields":
+        return [Case(name, way, seed) for name in names for way in ("unbroken", *ways)]
+    pairs = [(name, way) for name in names for way in ways]
+    order = np.random.default_rng(seed).permutation(len(pairs))
+    return [Case(*pairs[order[k % len(pairs)]], 10**6 * seed + k) for k in range(count)]
+
+
+def run_all(options, kinds=("fields", "repairs"), peers=("",)):
+    """Runs what no file of results has yet. Returns the rows by kind, seed and peer."""
+    jobs = []
+    Case.closed = {(name, False): mesh for name, mesh in wild_meshes.closed_meshes().items()}
+    for kind in kinds:
+        for seed in options.seeds:
+            cases = all_cases(kind, seed, options.repairs)
+            for case in cases:
+                case.truth() if kind == "repairs" else prepare_field(case, options.resolution)
+            jobs += [(kind, seed, name, cases) for name in wild_peers.peers(kind) if any(text in name for text in peers)]
+
+    def work(job):
+        kind, seed, name, cases = job
+        file = options.out / f"{kind}_{options.resolution if kind == 'fields' else 'all'}_{seed}_{name}.json" if options.out else None
+        rows = json.loads(file.read_text()) if file and file.exists() else []
+        for begin in range(len(rows), len(cases), CHUNK):
+            state, more = isolated(lambda: measure_cases(kind, name, cases[begin : begin + CHUNK], options.resolution))  # noqa: B023
+            if state != "ok":
+                return [{"state": "missing", "text": more}]
+            rows += more
+            if file:
+                file.parent.mkdir(parents=True, exist_ok=True)
+                file.write_text(json.dumps(rows))
+        print(f"{kind} {seed} {name}: {collections.Counter(row['state'] for row in rows)}", file=sys.stderr, flush=True)
+        return rows[: len(cases)]
+
+    with concurrent.futures.ThreadPoolExecutor(options.jobs) as pool:
+        return {job[:3]: rows for job, rows in zip(jobs, pool.map(work, jobs), strict=True)}
+
+
+# Faults of Raymap.
+
+
+def faults(kind, row, worst_sign=1.0):
+    """Returns what must not happen to Raymap in a case."""
+    if row["state"] != "ok":
+        return [f"{row['state']}: {row['text']}"] * (kind == "fields" or row["state"] != "refused")
+    if kind == "fields":
+        return [f"{100 * row['near']:.1f} % wrong signs near the surface"] * bool((row["near"] or 0) > worst_sign)
+    if row["empty"]:
+        return ["empty"]
+    return ["not watertight"] * (not row["watertight"]) + [f"lost {100 * row['unsaid']:.1f} % unsaid"] * bool(row["unsaid"] > 0.01)
+
+
+def quick(options):
+    """Measures Raymap on few cases. Fails at a fault, and if more signs near the surface are wrong than documented."""
+    found = run_all(options, peers=("raymap",))
+    problems, near = [], []
+    for (kind, _, _), rows in found.items():
+        for row in rows:
+            # In "nested" the file says that the cavity is solid, and in "missing" there is no telling where the surface was.
+            limit = BOUNDS.get(row.get("way"), BOUNDS["other"])
+            near += [row["near"]] if row.get("near") is not None and row["way"] not in ("nested", "missing") else []
+            problems += [f"{kind}: {row['mesh']}, {row['way']}, {row['seed']}: {text}" for text in faults(kind, row, limit)]
+    print(*problems, sep="\n")
+    print(f"{sum(map(len, found.values()))} cases, {len(problems)} faults; {100 * statistics.mean(near):.3f} % wrong signs near the surface")
+    return len(problems)
+
+
+# Largest shares of wrong signs near the surface that a case may have.
+BOUNDS = {"nested": 0.5, "missing": 0.5, "other": 0.1}
+
+
+# Tables.
+
+
+def spell(value, form):
+    return "–" if value is None else form.format(value)
+
+
+def mean(rows, key, scale=1):
+    values = [row[key] for row in rows if row.get(key) is not None]
+    return scale * statistics.mean(values) if values else None
+
+
+def largest(rows, key, scale=1):
+    return max((scale * row[key] for row in rows if row.get(key) is not None), default=None)
+
+
+def median(rows, key, scale=1):
+    values = [row[key] for row in rows if row.get(key) is not None]
+    return scale * statistics.median(values) if values else None
+
+
+def count(rows, *states):
+    return sum(row["state"] in states for row in rows)
+
+
+def share(rows, test):
+    return 100 * sum(map(test, rows)) / len(rows)
+
+
+FIELD_COLUMNS = {
+    "wrong signs, %": lambda rows: spell(mean(rows, "wrong", 100), "{:.3f}"),
+    "near the surface, %": lambda rows: spell(mean(rows, "near", 100), "{:.2f}"),
+    "worst case, %": lambda rows: spell(largest(rows, "near", 100), "{:.1f}"),
+    "mean error, voxels": lambda rows: spell(mean(rows, "mean"), "{:.1g}"),
+    "largest error": lambda rows: spell(largest(rows, "max"), "{:.1g}"),
+    "CPU s": lambda rows: spell(mean(rows, "cpu"), "{:.3f}"),
+    "MB": lambda rows: spell(largest(rows, "megabytes"), "{:.0f}"),
+    "no result": lambda rows: count(rows, "refused", "crash", "hang"),
+}
+REPAIR_COLUMNS = {
+    "watertight, %": lambda rows: spell(share(rows, lambda r: r.get("watertight")), "{:.1f}"),
+    "refused, %": lambda rows: spell(share(rows, lambda r: r["state"] == "refused"), "{:.1f}"),
+    "crash or hang": lambda rows: count(rows, "crash", "hang"),
+    "empty": lambda rows: sum(bool(row.get("empty")) for row in rows),
+    "area lost, %": lambda rows: spell(mean(rows, "lost", 100), "{:.2f}"),
+    "over 1 % lost": lambda rows: sum((row.get("lost") or 0) > 0.01 for row in rows),
+    "of these unsaid": lambda rows: sum((row.get("lost" if row.get("unsaid") is None else "unsaid") or 0) > 0.01 for row in rows),
+    "volume off, median %": lambda rows: spell(median(rows, "volume", 100), "{:.3f}"),
+    "mean %": lambda rows: spell(mean(rows, "volume", 100), "{:.1f}"),
+    "sound faces kept, %": lambda rows: spell(mean(rows, "kept", 100), "{:.1f}"),
+    "CPU s": lambda rows: spell(mean(rows, "cpu"), "{:.2f}"),
+}
+
+
+def table(titles, rows):
+    return "\n".join("| " + " | ".join(map(str, row)) + " |" for row in (titles, ["---"] * len(titles), *rows))
+
+
+def tables(found, options):
+    """Yields the name and the text of each table. A cell has the value of each seed."""
+    for kind, columns in (("fields", FIELD_COLUMNS), ("repairs", REPAIR_COLUMNS)):
+        names = [name for name in wild_peers.peers(kind) if (kind, options.seeds[0], name) in found]
+        runs = {name: [found[kind, seed, name] for seed in options.seeds] for name in names}
+        gone = [name for name in names if runs[name][0][0]["state"] == "missing"]
+        names = [name for name in names if name not in gone]
+        yield kind, table(["package", *columns], [[name, *(", ".join(map(str, (cell(rows) for rows in runs[name])))
+                                                           for cell in columns.values())] for name in names])  # fmt: skip
+        key, form = ("near", "{:.2f}") if kind == "fields" else ("watertight", "{:.0f}")
+        rows = []
+        for way in (["unbroken"] if kind == "fields" else []) + list(wild_meshes.WAYS):
+            cases = [[row for rows in runs[name] for row in rows if row.get("way") == way] for name in names]
+            cells = ([spell(mean(each, "near", 100), "{:.2f}") for each in cases] if kind == "fields" else
+                     [f"{share(each, lambda r: r.get('watertight')):.0f}, {spell(median(each, 'volume', 100), '{:.2g}')}" for each in cases])
+            rows.append([way, *cells])
+        yield f"{kind} by break", table(["break", *names], rows)
+    meshes = ", ".join(f"{name} ({len(mesh[1]):,})" for (name, is_hollow), mesh in Case.closed.items() if not is_hollow)
+    versions = ", ".join(f"{name} {version_of(name)}" for name in PACKAGES)
+    cpu = re.search(r"model name\s*: (.*)", pathlib.Path("/proc/cpuinfo").read_text())[1]
+    yield "setting", (f"- Meshes and their faces: {meshes}.\n- Fields: {options.resolution}³ samples, {len(found['fields', options.seeds[0], 'raymap'])}"
+                      f" cases a seed. Repairs: {options.repairs} a seed. Seeds: {', '.join(map(str, options.seeds))}.\n"
+                      f"- Machine: {os.cpu_count()} cores, {cpu}. Python {sys.version.split()[0]}, {versions}.")  # fmt: skip
+
+
+def version_of(name):
+    try:
+        return importlib.metadata.version(name)
+    except importlib.metadata.PackageNotFoundError:
+        return "missing"
+
+
+def write(page, found, options):
+    """Replaces what stands between the page's markers of each table."""
+    text = page.read_text()
+    for name, content in tables(found, options):
+        begin, end = f"<!-- {name} -->", f"<!-- end of {name} -->"
+        if begin not in text or end not in text:
+            sys.exit(f"{page} lacks the markers of {name}")
+        text = text[: text.index(begin) + len(begin)] + "\n\n" + content + "\n\n" + text[text.index(end) :]
+    page.write_text(text)
+
+
+def save_findings(folder, found):
+    """Writes the meshes at which Raymap has a fault, and a list of them, the worst first."""
+    import trimesh
+
+    folder.mkdir(parents=True, exist_ok=True)
+    lines = []
+    for (kind, _, name), rows in found.items():
+        for row in rows if name == "raymap" else ():
+            texts = faults(kind, row, 0.2)
+            if texts and "mesh" in row:
+                file = folder / f"{kind}_{row['mesh'].replace(' ', '_')}_{row['way'].replace(' ', '_')}_{row['seed']}.ply"
+                vertices, faces, *_ = Case(row["mesh"], row["way"], row["seed"]).broken()
+                trimesh.Trimesh(vertices, faces, process=False).export(file)
+                lines.append((row.get("unsaid") or row.get("near") or 9, f"- {file.name}: {'; '.join(texts)}"))
+    lines.sort(key=lambda line: -line[0])
+    (folder / "LIST.md").write_text("\n".join(line for _, line in lines) + "\n")
+    print(f"{len(lines)} findings in {folder}", file=sys.stderr)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--write", type=pathlib.Path, metavar="PAGE", help="write the tables between the markers of this page")
+    parser.add_argument("--quick", action="store_true", help="few cases, and Raymap alone")
+    parser.add_argument("--check", action="store_true", help="with --quick: fail at a fault")
+    parser.add_argument("--findings", type=pathlib.Path, metavar="FOLDER", help="write the meshes at which Raymap has a fault")
+    parser.add_argument("--out", type=pathlib.Path, default=ROOT / "out/wild", help="folder of results")
+    parser.add_argument("--only", nargs="+", default=[""], metavar="PEER", help="only packages whose names contain one of these")
+    parser.add_argument("--kinds", nargs="+", default=["fields", "repairs"], choices=["fields", "repairs"])
+    parser.add_argument("--seeds", nargs="+", type=int, default=[1, 2])
+    for name, value in ("repairs", 1000), ("resolution", 32), ("jobs", 2):
+        parser.add_argument(f"--{name}", type=int, default=value, help=f"default {value}")
+    options = parser.parse_args()
+    if options.quick:
+        options.seeds, options.repairs, options.resolution, options.out = [1], 48, 24, None
+        return 1 if quick(options) and options.check else 0
+    found = run_all(options, options.kinds, options.only)
+    if options.findings:
+        save_findings(options.findings, found)
+    if options.write:
+        write(options.write, found, options)
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
