@@ -137,10 +137,12 @@ def rounded(vertices):
     return np.asarray(vertices).astype(np.float32).astype(float)
 
 
-def closed_meshes():
-    """Returns the meshes by name, without those whose package is missing."""
+def closed_meshes(only=None):
+    """Returns the meshes by name, or only some. Leaves out those whose package is missing."""
     found = {}
     for name, make in makers().items():
+        if only and name not in only:
+            continue
         try:
             vertices, faces = make()
         except ImportError:
