@@ -9,7 +9,8 @@ import tempfile
 import warnings
 
 import numpy as np
-from harness import positions; from wild_meshes import welded
+from harness import positions
+from wild_meshes import welded
 
 
 def samples(grid):
