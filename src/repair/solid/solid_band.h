@@ -33,7 +33,7 @@ void unite(Field& solid, const Field& other);
 /// Interpolates the distances of a solid, dense or a narrow band, at points in samples. From any thread.
 class SolidSampler {
  public:
-  /// Keeps a reference to the solid.
+  /// Keeps references to the solid and its samples, which must not change.
   explicit SolidSampler(const Field& solid) {
     if (solid.narrow)
       band_.emplace(solid);

@@ -66,7 +66,8 @@ class ThinParts {
   }
   /// Returns the surface that the field shows nowhere near. It may have plates by now.
   Mesh missed(const PackedMesh& mesh) {
-    return middleOf(mesh.origin, [&](size_t i) { return isMissed(doubtful_[i], thickness_[i]); });
+    const SolidSampler sampler(solid_);  // Plates move the samples in memory.
+    return middleOf(mesh.origin, [&](size_t i) { return isMissed(sampler, doubtful_[i], thickness_[i]); });
   }
 
   /// Returns what became thicker, after the surfaces above were returned.
@@ -133,10 +134,10 @@ class ThinParts {
 
   /// Returns whether the isosurface does not show a point of the mesh: nothing is inside near it, such as at
   /// a rod of three sides, or the field only touches zero at a sheet.
-  bool isMissed(const FacePoint& point, const Thickness& found) const {
+  bool isMissed(const SolidSampler& sampler, const FacePoint& point, const Thickness& found) const {
     if (offset_ < 0.0 || found.part == Part::Buried) return false;
     const glm::dvec3 at = (point.position - solid_.grid.origin) / solid_.grid.spacing;
-    return !isSeen(at) || (found.part == Part::Sheet && sampler_.value(at) > kPassed);
+    return !isSeen(at) || (found.part == Part::Sheet && sampler.value(at) > kPassed);
   }
 
   bool isSeen(const glm::dvec3& at) const {
@@ -215,7 +216,7 @@ class ThinParts {
   }
 
   const Field& solid_;
-  SolidSampler sampler_;
+  SolidSampler sampler_;  // Of the solid without plates.
   double offset_, least_;
   bool isAsked_;
   std::vector<FacePoint> doubtful_;  // Middles of parts of faces that may be thin,
