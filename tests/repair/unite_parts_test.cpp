@@ -28,7 +28,7 @@ Mesh join(std::initializer_list<Mesh> parts) {
 
 /// Expects a union with nothing wrong, and this volume and area.
 void expectUnion(const Mesh& mesh, double volume, double area, double tolerance = 1e-6) {
-  const UnitedParts united = uniteParts(Model(mesh), true);
+  const UnitedParts united = uniteParts(Model(mesh));
   ASSERT_EQ(united.failure, FieldReason::None);
   EXPECT_TRUE(isAllRight(Model(united.mesh)));
   const Diagnostics found = diagnose(united.mesh);
@@ -66,7 +66,7 @@ TEST(UniteParts, TurnsCrossingPartsThatAreInsideOut) {
   const Mesh small = shapes::inverted(shapes::box({1.5, 1.5, 1.5}, {3, 3, 3}));
   const Mesh mesh = join({shapes::box({0, 0, 0}, {2, 2, 2}), small});
   expectUnion(mesh, 8.0 + 3.375 - 0.125, 24.0 + 13.5 - 1.5);
-  EXPECT_EQ(uniteParts(Model(mesh), true).inverted.faces.size(), 12u);
+  EXPECT_EQ(uniteParts(Model(mesh)).inverted.faces.size(), 12u);
 }
 
 TEST(UniteParts, PartsSolidsAtACommonEdge) {
@@ -77,7 +77,7 @@ TEST(UniteParts, PartsSolidsAtACommonEdge) {
 TEST(UniteParts, KeepsFacesThatNothingMeets) {
   const glm::dvec3 aside(1.61, 0.13, 0.07);
   const Mesh mesh = join({shapes::sphere(1.0, 3), shapes::sphere(1.0, 3, aside)});
-  const UnitedParts united = uniteParts(Model(mesh), true);
+  const UnitedParts united = uniteParts(Model(mesh));
   ASSERT_EQ(united.failure, FieldReason::None);
   const auto cornersOf = [](const Mesh& m, const glm::uvec3& t) {
     return std::array{glm::vec3(m.position(t.x)), glm::vec3(m.position(t.y)), glm::vec3(m.position(t.z))};
@@ -152,12 +152,12 @@ TEST(UniteParts, UnitesThinSheetsStraightAndRotated) {
     Mesh turned = mesh;
     for (glm::vec3& v : turned.vertices) v = glm::vec3(turn * (glm::dvec3(v) + mesh.origin));
     turned.origin = glm::dvec3(0.0);
-    const UnitedParts united = uniteParts(Model(turned), true);
+    const UnitedParts united = uniteParts(Model(turned));
     ASSERT_EQ(united.failure, FieldReason::None) << angle;
     EXPECT_TRUE(isAllRight(Model(united.mesh)));
     EXPECT_NEAR(diagnose(united.mesh).signedVolume, volume, 1e-3 * volume) << angle;
     withThreads(1, [&] {
-      const Mesh same = uniteParts(Model(turned), true).mesh;
+      const Mesh same = uniteParts(Model(turned)).mesh;
       EXPECT_EQ(same.triangles, united.mesh.triangles);
       EXPECT_EQ(same.vertices, united.mesh.vertices);
     });
@@ -167,9 +167,9 @@ TEST(UniteParts, UnitesThinSheetsStraightAndRotated) {
 TEST(UniteParts, LeavesOpenMeshesAndLonePartsInsideOutToTheField) {
   Mesh open = join({shapes::box({0, 0, 0}, {2, 2, 2}), shapes::box({1, 1, 1}, {3, 3, 3})});
   open.triangles.pop_back();
-  EXPECT_EQ(uniteParts(Model(open), true).failure, FieldReason::Open);
+  EXPECT_EQ(uniteParts(Model(open)).failure, FieldReason::Open);
   const Mesh lone = shapes::inverted(shapes::box({5, 5, 5}, {6, 6, 6}));
-  EXPECT_EQ(uniteParts(Model(join({shapes::box({0, 0, 0}, {2, 2, 2}), lone})), true).failure,
+  EXPECT_EQ(uniteParts(Model(join({shapes::box({0, 0, 0}, {2, 2, 2}), lone}))).failure,
             FieldReason::InsideOut);
 }
 

@@ -12,11 +12,11 @@
 
 namespace raymap {
 
-UnitedParts uniteParts(const Model& given, bool mayTurn) {
+UnitedParts uniteParts(const Model& given, InsideOut insideOut) {
   constexpr int kMostRounds = 4;        // New vertices are rounded, so that faces may cross again.
   constexpr double kSameVolume = 1e-3;  // Share of the volume that rounding and cleaning may change.
   UnitedParts united{.mesh = weldedCopy(given)};
-  if (mayTurn) united.inverted = findInvertedParts(given);
+  if (insideOut == InsideOut::Turned) united.inverted = findInvertedParts(given);
   turnFaces(united.mesh, united.inverted.faces);
   double volume = 0.0;
   for (int round = 0; round < kMostRounds; ++round) {
@@ -26,7 +26,8 @@ UnitedParts uniteParts(const Model& given, bool mayTurn) {
     std::optional<UnitedFaces> cut = uniteFaces(mesh);
     if (!cut || cut->mesh.triangles.empty()) break;
     if (round == 0) {
-      if (cut->isAnyInverted) return {.failure = FieldReason::InsideOut};
+      if (cut->isAnyInverted && insideOut != InsideOut::Subtracted)
+        return {.failure = FieldReason::InsideOut};
       united.cutFaces += cut->cutFaces;
       volume = cut->volume;
     }

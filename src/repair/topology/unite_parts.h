@@ -4,6 +4,7 @@
 #include <raymap/verdict.h>
 
 #include <cstddef>
+#include <cstdint>
 
 #include "mesh/inverted_parts.h"
 #include "mesh/model.h"
@@ -18,8 +19,14 @@ struct UnitedParts {
   FieldReason failure = FieldReason::None;  ///< Why there is no such mesh.
 };
 
-/// Cuts the faces of a mesh where they cross, overlap or touch, and keeps what bounds the union. With
-/// `mayTurn`, turns parts first that are inside out and cross others.
-UnitedParts uniteParts(const Model& mesh, bool mayTurn);
+/// What parts that are inside out stand for.
+enum class InsideOut : uint8_t {
+  Turned,      ///< They are turned if they cross others, else there is no union.
+  Kept,        ///< There is no union if an outermost part is inside out.
+  Subtracted,  ///< They take away from the others.
+};
+
+/// Cuts the faces of a mesh where they cross, overlap or touch, and keeps what bounds the union.
+UnitedParts uniteParts(const Model& mesh, InsideOut insideOut = InsideOut::Turned);
 
 }  // namespace raymap
