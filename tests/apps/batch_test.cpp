@@ -38,6 +38,30 @@ TEST_F(CliBatch, RepairsEachFileByItself) {
     EXPECT_TRUE(std::regex_search(all.out, std::regex("\n" + row))) << row << all.out;
 }
 
+TEST_F(CliBatch, MakesAFieldOfEachMesh) {
+  const std::string grid = " --resolution 16";
+  const Result all =
+      run("generate ball.obj bad.ply torn.stl -o out/ --format nrrd --stats all.json --sign paths" + grid);
+  EXPECT_EQ(all.code, exitCode(ErrorCode::Input)) << all.err;
+  EXPECT_EQ(written(), 2u);
+  succeed("generate torn.stl -o alone.nrrd --sign paths" + grid);
+  EXPECT_EQ(readBytes(path("out/torn.nrrd")), readBytes(path("alone.nrrd")));
+  EXPECT_TRUE(std::regex_search(all.out, std::regex("torn.stl +made +1,279 +- +- +[0-9.]+  out/torn.nrrd\n")))
+      << all.out;
+  const Json figures = json("all.json");
+  ASSERT_EQ(figures.size(), 3u);
+  EXPECT_EQ(figures[2]["grid"]["dims"], Json({16, 16, 16}));
+  EXPECT_EQ(figures[2]["result"], "out/torn.nrrd");
+  EXPECT_EQ(figures[1]["error"], "input");
+  succeed("generate ball.obj -o out/" + grid);
+  EXPECT_TRUE(fs::exists(path("out/ball.vdb")));
+  expectFailure("generate ball.obj torn.stl -o both.vdb", ErrorCode::Usage, "name a folder");
+  expectFailure("generate ball.obj torn.stl -o out/ --winding w.npy", ErrorCode::Usage,
+                "--winding names one file");
+  expectFailure("generate ball.obj -o out/ --frames 0:3", ErrorCode::Usage, "%04d");
+  expectFailure("generate ball.obj -o out/ --format nrrd --half", ErrorCode::Usage, "--half is for");
+}
+
 TEST_F(CliBatch, PrintsAnArrayOfFigures) {
   const Result all =
       run("repair torn.stl bad.ply ball.obj -o out --json --height 5 --remesh --resolution 32");
