@@ -124,6 +124,7 @@ Json describe(const RepairArguments& arguments, const Grid& grid, const RepairRe
               {"min_thickness", report.leastThickness},
               {"tolerance", report.simplified.tolerance},
               {"triangles", arguments.repair.triangles},
+              {"cut_plane", arguments.cutPlane.empty() ? Json() : Json(arguments.cutPlane)},
               {"remesh", arguments.repair.remesh},
               {"unit", unit ? Json(nameOf(*unit)) : Json()},
               {"scale", arguments.units.scale},

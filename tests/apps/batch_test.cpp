@@ -62,6 +62,23 @@ TEST_F(CliBatch, MakesAFieldOfEachMesh) {
   expectFailure("generate ball.obj -o out/ --format nrrd --half", ErrorCode::Usage, "--half is for");
 }
 
+TEST_F(CliBatch, SplitsEachMesh) {
+  const Mesh plate = shapes::joined(shapes::box({0, 0, 0}, {1, 1, 1}), shapes::box({2, 0, 0}, {4, 1, 1}));
+  writeMesh(path("plate.ply"), plate);
+  const Result all = succeed("repair plate.ply ball.obj -o out/ --split --stats all.json");
+  EXPECT_EQ(written(), 3u);
+  EXPECT_EQ(diagnose(readMesh(path("out/plate_2.ply"))).signedVolume, 2.0);
+  EXPECT_TRUE(std::regex_search(all.out, std::regex("\n2 +2 x 1 x 1 +12 +2  out/plate_2.ply\n"))) << all.out;
+  EXPECT_NE(all.out.find("out/plate.ply in 2 parts\n"), std::string::npos) << all.out;
+  const Json figures = json("all.json");
+  EXPECT_EQ(figures[0]["parts"][1]["file"], "out/plate_2.ply");
+  EXPECT_EQ(figures[0]["parts"][1]["volume"], 2.0);
+  EXPECT_EQ(figures[1]["parts"].size(), 1u);
+  EXPECT_FALSE(figures[1].contains("result"));
+  succeed("convert plate.ply ball.obj -o out/ --split --format stl");
+  EXPECT_EQ(written(), 6u);
+}
+
 TEST_F(CliBatch, PrintsAnArrayOfFigures) {
   const Result all =
       run("repair torn.stl bad.ply ball.obj -o out --json --height 5 --remesh --resolution 32");
