@@ -137,7 +137,7 @@ constexpr OptionRow kRows[] = {
     {"--min-thickness", "", "Shape", Library, nullptr, "what the grid needs to lose none of them"},
     {"--drain-hole", "", "Shape", AboveZero},
     {"--drain-holes", "", "Shape"},
-    {"--down", "", "Shape", Library, nullptr, "-z; with --up in a .glb, -y"},
+    {"--down", "", "Shape", Library, nullptr, "-z; -y where y is up: in a .gltf, .glb, .dae or .fbx"},
     {"--drop-smaller", "", "Parts"},
     {"--base", "--floor", "Shape"},
     {"--keep-cavities", "", "Parts"},

@@ -89,11 +89,10 @@ RepairReport makeSolid(const Mesh& mesh, const RepairGrid& grid, const RepairArg
 
 Outcome repairOne(RepairArguments& arguments) {
   const Clock::time_point start = Clock::now();
-  if (!arguments.units.up.empty())
-    arguments.repair.down = downIn(named(arguments.result, arguments.format.output));
-  if (const std::vector<double>& d = arguments.down; !d.empty()) arguments.repair.down = {d[0], d[1], d[2]};
   const std::filesystem::path input = named(arguments.mesh, arguments.format.input),
                               output = named(arguments.result, arguments.format.output);
+  arguments.repair.down = downIn(arguments.units.up.empty() ? input : output);  // Only --up rotates.
+  if (const std::vector<double>& d = arguments.down; !d.empty()) arguments.repair.down = {d[0], d[1], d[2]};
   checkMeshUnits(arguments.units, output);
   std::vector<Stats::Stage> steps;
   Mesh mesh;

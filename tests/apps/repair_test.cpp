@@ -301,6 +301,15 @@ TEST_F(CliRepair, DrillsDownInTheAxesOfTheResult) {
   EXPECT_NE(glb, drilled("c.glb", "--up y --down 0 0 -1"));
   EXPECT_EQ(drilled("a.ply", "--up z"), drilled("b.ply", "--down 0 0 -1"));
   EXPECT_EQ(drilled("c.glb", "--down 0 0 -1"), drilled("d.glb", ""));
+  // Without --up, what is up in the input is up in the result.
+  succeed("convert ball.ply -o ball.glb");
+  const std::string hollow = "repair ball.glb -o e.glb --resolution 40 --shell .15 --drain-hole .25";
+  EXPECT_NE(succeed(hollow).out.find("\ndown is -y, as the format has it; --up"), std::string::npos);
+  const std::string guessed = readBytes(path("e.glb"));
+  succeed(hollow + " --down 0 -1 0");
+  EXPECT_EQ(readBytes(path("e.glb")), guessed);
+  EXPECT_NE(succeed("info ball.glb").out.find("\nup                       y, as in every .glb\n"),
+            std::string::npos);
 }
 
 TEST_F(CliRepair, CutsFlatAndWritesBothHalves) {
