@@ -18,19 +18,21 @@ namespace fs = std::filesystem;
 namespace {
 
 Row rowOf(const FileJob& job, const Outcome& outcome, double seconds) {
+  const auto number = [](size_t count) { return count > 0 ? grouped(count) : "-"; };
+  const size_t parts = outcome.figures.contains("parts") ? outcome.figures["parts"].size() : 0;
   return {displayName(job.input),
           outcome.done,
-          grouped(outcome.trianglesBefore),
-          grouped(outcome.trianglesAfter),
+          number(outcome.trianglesBefore),
+          number(outcome.trianglesAfter),
           outcome.volume ? numberText("%.6g", *outcome.volume) : "-",
           numberText("%.1f", seconds),
-          displayName(job.output)};
+          displayName(job.output) + (parts > 0 ? " in " + counted(parts, "part") : "")};
 }
 
 /// Returns the extension of an output in a folder.
 std::string extensionFor(const fs::path& input, const StreamFormat& format,
-                         const std::vector<std::string>& writable) {
-  if (format.given.empty()) return hasExtension(input, writable) ? input.extension().string() : ".stl";
+                         const std::vector<std::string>& writable, const char* usual) {
+  if (format.given.empty()) return hasExtension(input, writable) ? input.extension().string() : usual;
   const std::string extension = lower((format.given.starts_with('.') ? "" : ".") + format.given);
   if (!hasExtension("x" + extension, writable))
     throw Error(ErrorCode::Usage, "--format " + format.given + ": must be one of " + joined(writable, " "));
@@ -39,7 +41,7 @@ std::string extensionFor(const fs::path& input, const StreamFormat& format,
 
 /// Returns a job for each input. Takes --format if it is about files in a folder.
 std::vector<FileJob> jobsOf(StreamFormat& format, const std::vector<fs::path>& inputs, const fs::path& output,
-                            const std::vector<std::string>& writable) {
+                            const std::vector<std::string>& writable, const char* usual) {
   const std::string start = "--output " + output.string() + ": ";
   if (!isFolder(output)) {
     if (inputs.size() > 1)
@@ -56,7 +58,7 @@ std::vector<FileJob> jobsOf(StreamFormat& format, const std::vector<fs::path>& i
     if (!isNew)
       throw Error(ErrorCode::Usage, start + first->second.string() + " and " + input.string() +
                                         " would have the same name there; use a folder for each");
-    jobs.push_back({input, output / (input.stem() += extensionFor(input, format, writable))});
+    jobs.push_back({input, output / (input.stem() += extensionFor(input, format, writable, usual))});
   }
   format.given.clear();  // It names no format of inputs.
   return jobs;
@@ -74,7 +76,7 @@ int doOne(const FileJob& job, const std::function<Outcome(const FileJob&)>& work
     const Failure failure = describeFailure();
     printError(failure.message);
     row = rowOf(job, {.done = "failed", .figures = {}}, millisecondsSince(start) / 1000.0);
-    row[2] = row[3] = row[6] = "-";
+    row[6] = "-";
     figures = {{"mesh", job.input.string()}, {"error", failure.kind}, {"message", failure.message}};
     return failure.code;
   }
@@ -105,8 +107,9 @@ bool isFolder(const fs::path& output) {
 
 std::vector<FileJob> prepareJobs(StreamFormat& format, const std::vector<fs::path>& inputs,
                                  const fs::path& output, const std::vector<std::string>& readable,
-                                 const std::vector<std::string>& writable, fs::path& stats) {
-  std::vector<FileJob> jobs = jobsOf(format, inputs, output, writable);
+                                 const std::vector<std::string>& writable, fs::path& stats,
+                                 const char* usual) {
+  std::vector<FileJob> jobs = jobsOf(format, inputs, output, writable, usual);
   std::vector<Input> read;
   std::vector<Output> written;
   for (FileJob& job : jobs) {

@@ -39,13 +39,14 @@ struct FileJob {
 bool isFolder(const std::filesystem::path& output);
 
 /// Returns a job for each input, after `prepareFiles` for all files. In a folder each output has the name of
-/// its input, and the format that --format names, or that of the input if it is `writable`, or else .stl.
+/// its input, and the format that --format names, or that of the input if it is `writable`, or else `usual`.
 /// Makes the folder if there is none. Throws `Error(Usage)` if two inputs have one name, or if several are to
 /// become one file.
 std::vector<FileJob> prepareJobs(StreamFormat& format, const std::vector<std::filesystem::path>& inputs,
                                  const std::filesystem::path& output,
                                  const std::vector<std::string>& readable,
-                                 const std::vector<std::string>& writable, std::filesystem::path& stats);
+                                 const std::vector<std::string>& writable, std::filesystem::path& stats,
+                                 const char* usual = ".stl");
 
 /// Does jobs one after the other, also after one that fails, and prints a table. Writes all figures as an
 /// array to `stats`, unless that is empty. Throws `ExitCode` with the highest exit code of a job, unless that

@@ -40,37 +40,6 @@ std::vector<std::string> outputExtensions(const ConvertArguments& arguments) {
   return extensions;
 }
 
-/// Returns some faces of a mesh with the vertices that they use, in their order.
-template <class AnyMesh>
-AnyMesh partOf(const AnyMesh& mesh, const std::vector<uint32_t>& faces) {
-  AnyMesh part{.origin = mesh.origin};
-  std::vector<bool> isUsed(mesh.vertices.size());
-  for (const uint32_t face : faces)
-    for (int c = 0; c < 3; ++c) isUsed[mesh.triangles[face][c]] = true;
-  std::vector<uint32_t> numbers(mesh.vertices.size());
-  for (size_t v = 0; v < isUsed.size(); ++v) {
-    numbers[v] = uint32_t(part.vertices.size());
-    if (isUsed[v]) part.vertices.push_back(mesh.vertices[v]);
-  }
-  for (const uint32_t face : faces) {
-    const glm::uvec3& t = mesh.triangles[face];
-    part.triangles.emplace_back(numbers[t.x], numbers[t.y], numbers[t.z]);
-  }
-  return part;
-}
-
-/// Writes each part of a mesh that is apart into a file of its own: STEM_1.stl and so on.
-template <class AnyMesh>
-void writeParts(const std::filesystem::path& output, const AnyMesh& mesh, const MeshWriteOptions& options) {
-  const std::vector<std::vector<uint32_t>> parts = splitParts(mesh);
-  for (size_t p = 0; p < parts.size(); ++p) {
-    std::filesystem::path path = output;
-    path.replace_filename(output.stem().string() + "_" + std::to_string(p + 1) + output.extension().string());
-    writeMesh(path, partOf(mesh, parts[p]), options);
-    printWritten(path, options);
-  }
-}
-
 template <class AnyMesh>
 Outcome writeConvertedMesh(const ConvertArguments& arguments, AnyMesh& mesh) {
   if (arguments.half || !arguments.gridName.empty())
@@ -83,14 +52,19 @@ Outcome writeConvertedMesh(const ConvertArguments& arguments, AnyMesh& mesh) {
   const MeshWriteOptions options = writeOptions(mesh, {.recenter = arguments.units.recenter,
                                                        .unit = writtenUnit(arguments.units, input),
                                                        .format = arguments.format.output});
+  const size_t triangles = mesh.triangles.size();
+  Outcome outcome{
+      .done = "converted", .trianglesBefore = triangles, .trianglesAfter = triangles, .figures = {}};
   if (arguments.isSplit) {
-    writeParts(arguments.output, mesh, options);
+    Json& parts = outcome.figures["parts"] = Json::array();
+    writeParts(arguments.output, mesh, options, inputsKept(arguments.format, arguments.input), parts);
+    printParts(parts);
+    printOffset(options);
   } else {
     writeMesh(arguments.output, mesh, options);
     printWritten(arguments.output, options);
   }
-  const size_t triangles = mesh.triangles.size();
-  return {.done = "converted", .trianglesBefore = triangles, .trianglesAfter = triangles, .figures = {}};
+  return outcome;
 }
 
 /// Writes a mesh, or its positions in double precision if it rounds some.
@@ -193,8 +167,7 @@ void convertEach(ConvertArguments& arguments) {
 
 void run(ConvertArguments& arguments) {
   findOutput(arguments);
-  if (arguments.isSplit && arguments.output == "-")
-    throw Error(ErrorCode::Usage, "--split writes a file for each part; name a file for --output, not -");
+  checkSplit(arguments.isSplit, arguments.output);
   if (isFolder(arguments.output)) return convertEach(arguments);
   const std::vector<Output> outputs{{"--output", arguments.output, outputExtensions(arguments)}};
   std::vector<Input> files{{arguments.input, meshAndFieldExtensions()}};

@@ -8,6 +8,7 @@
 #include <string>
 #include <utility>
 
+#include "batch.h"
 #include "checks.h"
 #include "commands.h"
 #include "field_options.h"
@@ -33,11 +34,14 @@ constexpr const char* kGenerateFooter = R"(Examples:
   raymap generate scan.ply -o scan.npz --winding w.npy --confidence c.npy --stats scan.json
       also the winding number, the confidence in the sign and figures of the mesh
   raymap generate man.glb --frames 0:59 --fps 24 -o man.%04d.vdb
-      a field for each frame of an animation, all on one grid)";
+      a field for each frame of an animation, all on one grid
+  raymap generate *.stl -o fields/ --format nrrd
+      a field of each file by itself; then a table)";
 
 struct GenerateArguments : FieldArguments {
   StreamFormat format;
   FrameArguments frames;
+  std::vector<fs::path> meshes;
   fs::path mesh, field, triangleIds, winding, confidence, stats, report, reportPicture;
   std::string gridName;
   bool half = false, fullInside = false;
@@ -268,7 +272,8 @@ void make(const GenerateArguments& arguments, Mesh& mesh, const std::optional<Bo
              [&] { writeReports(arguments, mesh, generator.field(), report, frames); });
 }
 
-void makeOne(const GenerateArguments& arguments) {
+/// Appends figures to those of other meshes, if there are others.
+Outcome makeOne(const GenerateArguments& arguments, Json* others = nullptr) {
   const Clock::time_point start = Clock::now();
   Report report;
   Mesh mesh;
@@ -276,9 +281,10 @@ void makeOne(const GenerateArguments& arguments) {
   timeStep(report.before, "load",
            [&] { mesh = loadMesh(arguments.mesh, arguments.format.input, arguments.units, true); });
   warnOfLength("--thickness", arguments.options.thickness, bounds(mesh));
-  make(arguments, mesh, {}, "", generator, report, nullptr);
+  make(arguments, mesh, {}, "", generator, report, others);
   report.elapsedMilliseconds = millisecondsSince(start);
   print(arguments, report);
+  return {.done = "made", .trianglesBefore = report.found.triangles, .figures = {}};
 }
 
 /// Returns the arguments with the files of one frame.
@@ -334,9 +340,8 @@ void makeFrames(const GenerateArguments& arguments) {
               millisecondsSince(start) / 1000.0, sizeText(peakMemory()).c_str());
 }
 
-void run(GenerateArguments& arguments) {
-  finishOptions(arguments);
-  prepareFiles(arguments.format, {{arguments.mesh, meshExtensions()}}, outputs(arguments));
+/// Throws `Error(Usage)` if the field's format has no place for what is asked for.
+void checkFormat(const GenerateArguments& arguments) {
   const auto isOneOf = [&](const std::vector<std::string>& extensions) {
     return hasExtension(arguments.field, extensions) ||
            hasExtension(named(arguments.field, arguments.format.output), extensions);
@@ -348,6 +353,42 @@ void run(GenerateArguments& arguments) {
     throw Error(ErrorCode::Usage,
                 "--half is for a .vdb, .nvdb, .npy or .npz, and " + displayName(arguments.field) +
                     " is none: its format has no type for numbers of 16 bits; leave it out");
+}
+
+/// Makes a field of each mesh in a folder.
+void makeEach(GenerateArguments& arguments) {
+  for (const Output& output : frameOutputs(arguments))
+    if (output.option != "--output" && !output.path.empty())
+      throw Error(ErrorCode::Usage, output.option +
+                                        " names one file, and several meshes would need as many; "
+                                        "leave it out, or make one field at a time");
+  if (!arguments.frames.frames.empty())
+    throw Error(ErrorCode::Usage,
+                "--frames makes several fields of one input, and --output must say how to "
+                "number them, as in " +
+                    (arguments.field / "%04d.vdb").string());
+  const std::vector<FileJob> jobs = prepareJobs(arguments.format, arguments.meshes, arguments.field,
+                                                meshExtensions(), fieldExtensions(), arguments.stats, ".vdb");
+  arguments.field = jobs.front().output;
+  checkFormat(arguments);
+  testBeforeFirstUse(arguments.machine.device);
+  doAll(jobs, arguments.stats, [&](const FileJob& job) {
+    GenerateArguments each = arguments;
+    each.mesh = job.input;
+    each.field = job.output;
+    Json figures = Json::array();
+    Outcome outcome = makeOne(each, &figures);
+    if (!figures.empty()) outcome.figures = std::move(figures.back());
+    return outcome;
+  });
+}
+
+void run(GenerateArguments& arguments) {
+  finishOptions(arguments);
+  if (arguments.meshes.size() > 1 || isFolder(arguments.field)) return makeEach(arguments);
+  arguments.mesh = arguments.meshes.front();
+  prepareFiles(arguments.format, {{arguments.mesh, meshExtensions()}}, outputs(arguments));
+  checkFormat(arguments);
   if (!arguments.format.mayOverwrite) checkInputs(outputs(arguments), {arguments.offsets});
   testBeforeFirstUse(arguments.machine.device);
   if (arguments.frames.frames.empty())
@@ -357,7 +398,9 @@ void run(GenerateArguments& arguments) {
 }
 
 void addOutputOptions(Command& command, GenerateArguments& arguments) {
-  addOutput(command, arguments.field, "Field to write", fieldExtensions()).isRequired = true;
+  Argument& output = addOutput(command, arguments.field, "Field to write", fieldExtensions());
+  output.isRequired = true;
+  output.help += "; or a folder, for a field of each input, with its name";
   addOptions(command, {{"--format", &arguments.format.given},
                        {"--triangle-ids", &arguments.triangleIds},
                        {"--winding", &arguments.winding},
@@ -376,8 +419,8 @@ void addGenerate(Program& program) {
   Command& command =
       program.addCommand("generate", "Make a signed distance field from a mesh", kGenerateFooter);
   auto& arguments = command.runs<GenerateArguments>(run);
-  addOperand(command, "MESH", &arguments.mesh,
-             "Mesh to read: OBJ, PLY, STL, OFF, glTF, GLB, 3MF, FBX or DAE");
+  addOperand(command, "MESH...", &arguments.meshes,
+             "Mesh to read: OBJ, PLY, STL, OFF, glTF, GLB, 3MF, FBX or DAE. Several need a folder as output");
   addOutputOptions(command, arguments);
   addFrameOptions(command, arguments.frames);
   addUnitOptions(command, arguments.units);

@@ -61,7 +61,7 @@ void print(const std::optional<SelfIntersections>& crossings) {
 }
 
 void print(const Diagnostics& found, const std::optional<SelfIntersections>& crossings,
-           const std::optional<LengthUnit>& unit) {
+           const std::optional<LengthUnit>& unit, const std::string& up) {
   const auto count = [](const char* name, size_t value) {
     std::printf("%-24s %s\n", name, grouped(value).c_str());
   };
@@ -79,6 +79,7 @@ void print(const Diagnostics& found, const std::optional<SelfIntersections>& cro
   vector("bounds, highest", found.bounds.max);
   vector("size", found.bounds.size());
   std::printf("%-24s %s\n", "unit", unit ? nameOf(*unit).c_str() : "not stated");
+  std::printf("%-24s %s\n", "up", up.c_str());
   std::printf("%-24s %g\n%-24s %g\n", "area", found.area, "signed volume", found.signedVolume);
   count("components", found.components);
   yes("watertight", found.watertight);
@@ -158,7 +159,7 @@ void inspectMesh(const Mesh& mesh, const InfoArguments& arguments) {
   if (!arguments.picture.empty()) writePng(arguments.picture, renderDefects(mesh, arguments.view));
   const std::optional<LengthUnit> unit = unitOf(arguments);
   if (!arguments.isJson) {
-    print(found, crossings, unit);
+    print(found, crossings, unit, describeUp(named(arguments.input, arguments.format.input)));
     std::printf("\n%s",
                 describe(verdict, found, crossings, mesh, arguments.input, arguments.machine).c_str());
     return;

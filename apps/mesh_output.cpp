@@ -1,12 +1,15 @@
 #include "mesh_output.h"
 
 #include <raymap/error.h>
+#include <raymap/json.h>
+#include <raymap/split.h>
 
 #include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <cstdio>
 
+#include "batch.h"
 #include "checks.h"
 #include "mesh_units.h"
 #include "repair_report.h"
@@ -73,6 +76,25 @@ std::string formatsThatHold(const StoredMesh& mesh, const Diagnostics& exact, si
                   (mesh.options.offset == glm::dvec3(0.0) ? ", or add --recenter" : ""));
 }
 
+/// Returns some faces of a mesh with the vertices that they use, in their order.
+template <class AnyMesh>
+AnyMesh partOf(const AnyMesh& mesh, const std::vector<uint32_t>& faces) {
+  AnyMesh part{.origin = mesh.origin};
+  std::vector<bool> isUsed(mesh.vertices.size());
+  for (const uint32_t face : faces)
+    for (int c = 0; c < 3; ++c) isUsed[mesh.triangles[face][c]] = true;
+  std::vector<uint32_t> numbers(mesh.vertices.size());
+  for (size_t v = 0; v < isUsed.size(); ++v) {
+    numbers[v] = uint32_t(part.vertices.size());
+    if (isUsed[v]) part.vertices.push_back(mesh.vertices[v]);
+  }
+  for (const uint32_t face : faces) {
+    const glm::uvec3& t = mesh.triangles[face];
+    part.triangles.emplace_back(numbers[t.x], numbers[t.y], numbers[t.z]);
+  }
+  return part;
+}
+
 }  // namespace
 
 MeshWriteOptions writeOptions(const MeshView& mesh, const StoreOptions& options) {
@@ -86,6 +108,51 @@ StoredMesh storeMesh(const std::filesystem::path& path, Mesh mesh, const StoreOp
   StoredMesh result{path, writeOptions(mesh, options), std::move(mesh), {}};
   result.stored = asStored(path, result.exact, result.options);
   return result;
+}
+
+void checkSplit(bool isSplit, const std::filesystem::path& output) {
+  if (isSplit && output == "-")
+    throw Error(ErrorCode::Usage, "--split writes a file for each part; name a file for --output, not -");
+}
+
+std::vector<std::filesystem::path> inputsKept(const StreamFormat& format,
+                                              const std::filesystem::path& input) {
+  return format.mayOverwrite ? std::vector<std::filesystem::path>{} : std::vector{input};
+}
+
+template <class AnyMesh>
+void writeParts(const std::filesystem::path& path, const AnyMesh& mesh, const MeshWriteOptions& options,
+                const std::vector<std::filesystem::path>& kept, Json& written) {
+  const std::vector<std::vector<uint32_t>> parts = splitParts(mesh);
+  std::vector<std::filesystem::path> files;
+  for (size_t p = 0; p < parts.size(); ++p) {
+    const std::string number = "_" + std::to_string(written.size() + p + 1);
+    files.push_back(path.parent_path() / ((path.stem() += number) += path.extension()));
+    checkInputs({{"--split", files.back(), {}}}, kept);
+  }
+  for (size_t p = 0; p < parts.size(); ++p) {
+    const AnyMesh part = partOf(mesh, parts[p]);
+    writeMesh(files[p], part, options);
+    written.push_back({{"file", files[p].string()},
+                       {"triangles", part.triangles.size()},
+                       {"size", toJson(bounds(part).size())},
+                       {"volume", diagnose(part, {.brief = true}).signedVolume}});
+  }
+}
+template void writeParts(const std::filesystem::path&, const Mesh&, const MeshWriteOptions&,
+                         const std::vector<std::filesystem::path>&, Json&);
+template void writeParts(const std::filesystem::path&, const DoubleMesh&, const MeshWriteOptions&,
+                         const std::vector<std::filesystem::path>&, Json&);
+
+void printParts(const Json& written) {
+  std::vector<Row> rows{{"part", "size", "triangles", "volume", "written"}};
+  for (const Json& part : written) {
+    std::string size;
+    for (const double side : part["size"]) size += (size.empty() ? "" : " x ") + numberText("%.5g", side);
+    rows.push_back({std::to_string(rows.size()), size, grouped(part["triangles"]),
+                    numberText("%.6g", part["volume"]), displayName(part["file"].get<std::string>())});
+  }
+  printTable(rows);
 }
 
 void checkStored(const StoredMesh& mesh) {
@@ -117,6 +184,10 @@ void checkSimplification(const std::optional<double>& tolerance, size_t triangle
 
 void printWritten(const std::filesystem::path& path, const MeshWriteOptions& options) {
   printWritten(path);
+  printOffset(options);
+}
+
+void printOffset(const MeshWriteOptions& options) {
   const glm::dvec3& offset = options.offset;
   if (offset != glm::dvec3(0.0))
     std::printf("recentered: add %s to the positions in the file\n", text(offset).c_str());

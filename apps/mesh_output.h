@@ -5,6 +5,10 @@
 
 #include <filesystem>
 #include <optional>
+#include <vector>
+
+#include "checks.h"
+#include "report.h"
 
 namespace raymap {
 
@@ -40,7 +44,25 @@ void checkStored(const StoredMesh& mesh, const Diagnostics& found, size_t crossi
 /// Throws `Error(Usage)` if a tolerance keeps all triangles while their number is limited; 0 = no limit.
 void checkSimplification(const std::optional<double>& tolerance, size_t triangles);
 
+/// Throws `Error(Usage)` if --split has no file name to number.
+void checkSplit(bool isSplit, const std::filesystem::path& output);
+
+/// Returns the inputs that outputs must not replace.
+std::vector<std::filesystem::path> inputsKept(const StreamFormat& format, const std::filesystem::path& input);
+
+/// Writes each part of a mesh that is apart (`splitParts`) into a file of its own: NAME_1.stl and so on.
+/// Appends the figures of each to `written`, and numbers go on after those. Throws `Error(Usage)` if a part
+/// would replace an input in `kept`.
+template <class AnyMesh>
+void writeParts(const std::filesystem::path& path, const AnyMesh& mesh, const MeshWriteOptions& options,
+                const std::vector<std::filesystem::path>& kept, Json& written);
+
+/// Prints a table of the parts that were written.
+void printParts(const Json& written);
+
 /// Prints the file that was written, and its offset.
 void printWritten(const std::filesystem::path& path, const MeshWriteOptions& options);
+/// Prints the offset alone, if there is one.
+void printOffset(const MeshWriteOptions& options);
 
 }  // namespace raymap

@@ -14,6 +14,7 @@
 #include "checks.h"
 #include "parser.h"
 #include "terminal.h"
+#include "text.h"
 
 namespace raymap {
 
@@ -236,8 +237,17 @@ LengthUnit writtenUnit(const MeshUnits& units, const std::filesystem::path& mesh
   return unitOf(units, mesh).value_or(LengthUnit::Millimetre);
 }
 
-glm::dvec3 downIn(const std::filesystem::path& result) {
-  return hasExtension(result, {".glb", ".gltf"}) ? glm::dvec3(0, -1, 0) : glm::dvec3(0, 0, -1);
+glm::dvec3 downIn(const std::filesystem::path& file) {
+  const bool isYUp = hasExtension(file, {".glb", ".gltf", ".dae", ".fbx"});
+  return isYUp ? glm::dvec3(0, -1, 0) : glm::dvec3(0, 0, -1);
+}
+
+std::string describeUp(const std::filesystem::path& file) {
+  const std::string format = lower(file.extension().string());
+  if (format == ".fbx") return "y, as most programs write it; --up names another one";
+  if (downIn(file).y < 0.0 || format == ".3mf")
+    return (format == ".3mf" ? "z" : "y") + (", as in every " + format);
+  return "not stated; z is taken, and --up names another one";
 }
 
 namespace {

@@ -62,8 +62,11 @@ std::optional<LengthUnit> unitOf(const MeshUnits& units, const std::filesystem::
 /// Returns the unit that a file of the converted mesh states.
 LengthUnit writtenUnit(const MeshUnits& units, const std::filesystem::path& mesh);
 
-/// Returns the direction down in a file to write: y is up in a .glb, else z.
-glm::dvec3 downIn(const std::filesystem::path& result);
+/// Returns the direction down in a file: y is up in a glTF or DAE, and in a FBX from most programs, else z.
+glm::dvec3 downIn(const std::filesystem::path& file);
+
+/// Returns which way is up in a file, and why: "y, as in every .glb".
+std::string describeUp(const std::filesystem::path& file);
 
 /// A mesh in double precision.
 struct DoubleMesh {

@@ -45,8 +45,7 @@ constexpr OptionRow kRows[] = {
      "in a .nvdb to 1/65535 of the band's width or the largest distance"},
     {"--split", "", "Files", Nothing, "", "",
      "Write each part of a mesh that is apart, with the cavities in it, into a file of its own: NAME_1.stl "
-     "and so "
-     "on"},
+     "and so on"},
     {"--overwrite", "-f,--force", "Files", Nothing, "", "", "Allow an output to replace an input"},
     {"--triangle-ids", "", "Files", File, "FILE", "",
      "Also write the index of each sample's closest triangle"},
@@ -138,7 +137,7 @@ constexpr OptionRow kRows[] = {
     {"--min-thickness", "", "Shape", Library, nullptr, "what the grid needs to lose none of them"},
     {"--drain-hole", "", "Shape", AboveZero},
     {"--drain-holes", "", "Shape"},
-    {"--down", "", "Shape", Library, nullptr, "-z; with --up in a .glb, -y"},
+    {"--down", "", "Shape", Library, nullptr, "-z; -y where y is up: in a .gltf, .glb, .dae or .fbx"},
     {"--drop-smaller", "", "Parts"},
     {"--base", "--floor", "Shape"},
     {"--keep-cavities", "", "Parts"},
@@ -165,7 +164,7 @@ constexpr OptionRow kRows[] = {
     {"--cut", "", "Picture"},
     {"--eye", "", "Picture"},
     {"--frame", "", "Picture"},
-    {"--cut-plane", "", "Picture"},
+    {"--cut-plane", "", "Shape", Library, nullptr, "none; with --cut the middle one"},
     {"--slice-plane", "", "Picture"},
     {"--slice", "", "Picture", Choice, "AXIS", "",
      "Draw a map of the slice across this axis, x, y or z, instead of the surface", axes},

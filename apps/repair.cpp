@@ -32,6 +32,8 @@ constexpr const char* kRepairFooter = R"(Examples:
   raymap repair part.stl -o part.3mf --unit in                   (its numbers are inches)
   raymap repair car.glb -o car.stl --unit mm --up y              (from metres, y up, to millimetres, z up)
   raymap repair bust.obj -o bust.stl --height 80                 (80 high in the file)
+  raymap repair bust.stl -o half.stl --cut-plane 0 0 1 40 --split (both halves, cut flat at z = 40)
+  raymap repair plate.stl -o part.stl --split                    (part_1.stl, part_2.stl: each part by itself)
   raymap repair *.stl -o printable/                              (each file by itself; then a table)
 
 All lengths are in the mesh's units, or in those that --unit names. The program measures and prints how far the
@@ -51,15 +53,19 @@ void printNow(const std::string& text, ProgressLine& line) {
   std::fflush(stdout);
 }
 
-/// Repairs with progress and warnings on stderr.
+StoredMesh store(const RepairArguments& arguments, Mesh mesh) {
+  return storeMesh(arguments.result, std::move(mesh),
+                   {.recenter = arguments.units.recenter,
+                    .unit = writtenUnit(arguments.units, named(arguments.mesh, arguments.format.input)),
+                    .format = arguments.format.output});
+}
+
+/// Repairs with progress and warnings on stderr. Stores the result, and what a plane cuts off.
 RepairReport makeSolid(const Mesh& mesh, const RepairGrid& grid, const RepairArguments& arguments,
-                       ProgressLine& line, StoredMesh& stored) {
+                       ProgressLine& line, StoredMesh& stored, StoredMesh& cutOff) {
   RepairOptions how = arguments.repair;
   how.roundResult = [&](Mesh& result) {
-    stored = storeMesh(arguments.result, std::move(result),
-                       {.recenter = arguments.units.recenter,
-                        .unit = writtenUnit(arguments.units, named(arguments.mesh, arguments.format.input)),
-                        .format = arguments.format.output});
+    stored = store(arguments, std::move(result));
     result = std::move(stored.stored);
   };
   MachineOptions machine = withProgress(arguments.machine, line);
@@ -77,16 +83,16 @@ RepairReport makeSolid(const Mesh& mesh, const RepairGrid& grid, const RepairArg
   };
   Repaired repaired = repair(mesh, grid, arguments.options, how, machine);
   stored.stored = std::move(repaired.mesh);
+  if (arguments.isSplit && how.cutPlane) cutOff = store(arguments, std::move(repaired.cutOff));
   return std::move(repaired.report);
 }
 
 Outcome repairOne(RepairArguments& arguments) {
   const Clock::time_point start = Clock::now();
-  if (!arguments.units.up.empty())
-    arguments.repair.down = downIn(named(arguments.result, arguments.format.output));
-  if (const std::vector<double>& d = arguments.down; !d.empty()) arguments.repair.down = {d[0], d[1], d[2]};
   const std::filesystem::path input = named(arguments.mesh, arguments.format.input),
                               output = named(arguments.result, arguments.format.output);
+  arguments.repair.down = downIn(arguments.units.up.empty() ? input : output);  // Only --up rotates.
+  if (const std::vector<double>& d = arguments.down; !d.empty()) arguments.repair.down = {d[0], d[1], d[2]};
   checkMeshUnits(arguments.units, output);
   std::vector<Stats::Stage> steps;
   Mesh mesh;
@@ -95,37 +101,57 @@ Outcome repairOne(RepairArguments& arguments) {
   warnOfLengths(arguments.repair, bounds(mesh));
   testBeforeFirstUse(arguments.machine.device);
   RepairGrid grid;
-  StoredMesh stored;
+  StoredMesh stored, cutOff;
   RepairReport report;
   {
     ProgressLine line;
     const MachineOptions machine = withProgress(arguments.machine, line);
     timeStep(steps, "fit", [&] { grid = fitRepairGrid(mesh, arguments.grid, arguments.repair, machine); });
-    report = makeSolid(mesh, grid, arguments, line, stored);
+    report = makeSolid(mesh, grid, arguments, line, stored, cutOff);
   }
   steps.insert(steps.end(), report.stats.stages.begin(), report.stats.stages.end());
   checkStored(stored, report.after, report.crossingAfter.pairs);
+  checkStored(cutOff);
   if (!isSound(report.after))
     printWarning(
         "the result is not watertight, or its faces do not point outwards; this is a bug, please report it");
-  timeStep(steps, "write", [&] { writeMesh(stored.path, stored.exact, stored.options); });
+  Json parts;
+  timeStep(steps, "write", [&] {
+    if (!arguments.isSplit) return writeMesh(stored.path, stored.exact, stored.options);
+    parts = Json::array();
+    for (const StoredMesh* each : {&stored, &cutOff})
+      if (!each->exact.triangles.empty())
+        writeParts(each->path, each->exact, each->options, inputsKept(arguments.format, arguments.mesh),
+                   parts);
+  });
   print(arguments, grid, report);
   const Stats::Stage slowest = slowestStep(steps);
   std::printf("time: %.1f s", millisecondsSince(start) / 1000.0);
   if (isVerbose())
     std::printf("; the longest step, %s, took %.1f s", slowest.name.c_str(), slowest.milliseconds / 1000.0);
   std::printf("\n");
-  printWritten(stored.path, stored.options);
-  return {.done = wordFor(report),
-          .trianglesBefore = report.before.triangles,
-          .trianglesAfter = report.after.triangles,
-          .volume = report.after.signedVolume,
-          .figures = describe(arguments, grid, report, steps, stored.options)};
+  Outcome outcome{.done = wordFor(report),
+                  .trianglesBefore = report.before.triangles,
+                  .trianglesAfter = report.after.triangles,
+                  .volume = report.after.signedVolume,
+                  .figures = describe(arguments, grid, report, steps, stored.options)};
+  if (!arguments.isSplit) {
+    printWritten(stored.path, stored.options);
+    if (arguments.repair.cutPlane) std::printf("--split writes what the plane cuts off, too\n");
+  } else {
+    printParts(parts);
+    printOffset(stored.options);
+  }
+  outcome.figures["parts"] = std::move(parts);
+  return outcome;
 }
 
 void run(RepairArguments& arguments) {
   finishFieldArguments(arguments);
   checkSimplification(arguments.repair.tolerance, arguments.repair.triangles);
+  checkSplit(arguments.isSplit, arguments.result);
+  if (const std::vector<double>& c = arguments.cutPlane; !c.empty())
+    arguments.repair.cutPlane = Plane{{c[0], c[1], c[2]}, c[3]};
   runOnEach(arguments, repairOne);
 }
 
@@ -139,7 +165,9 @@ void addRepair(Program& program) {
   addSpacingOptions(command, arguments.grid);
   addOptions(command, {{"--orientation", targetOf(arguments.options.orientation)}});
   addLibraryOptions(command, arguments.repair, {"measure"});
-  addOptions(command, {{"--down", &arguments.down}});
+  addOptions(
+      command,
+      {{"--down", &arguments.down}, {"--cut-plane", &arguments.cutPlane}, {"--split", &arguments.isSplit}});
   addMachineOptions(command, arguments.machine);
 }
 

@@ -124,6 +124,7 @@ Json describe(const RepairArguments& arguments, const Grid& grid, const RepairRe
               {"min_thickness", report.leastThickness},
               {"tolerance", report.simplified.tolerance},
               {"triangles", arguments.repair.triangles},
+              {"cut_plane", arguments.cutPlane.empty() ? Json() : Json(arguments.cutPlane)},
               {"remesh", arguments.repair.remesh},
               {"unit", unit ? Json(nameOf(*unit)) : Json()},
               {"scale", arguments.units.scale},
@@ -150,6 +151,9 @@ void print(const RepairArguments& arguments, const RepairGrid& grid, const Repai
   if (const char* const arrangement = describe(report.arrangementBefore); *arrangement != '\0')
     std::printf("  %s\n", arrangement);
   printMended(report, arguments.repair.base);
+  if ((arguments.repair.drainHole > 0.0 || arguments.repair.base) && arguments.down.empty())
+    std::printf("down is -%s, as the format has it; --up names what is up\n",
+                arguments.repair.down.y < 0.0 ? "y" : "z");
   if (report.keepsFaces())
     printKept(report);
   else

@@ -18,7 +18,8 @@ struct RepairArguments : FieldArguments {
   std::vector<std::filesystem::path> meshes;
   std::filesystem::path mesh, result, stats;
   RepairOptions repair;
-  std::vector<double> down;
+  std::vector<double> down, cutPlane;
+  bool isSplit = false;
 };
 
 /// Returns whether a result is what `raymap repair` promises: watertight, with its faces outwards.

@@ -31,7 +31,7 @@ namespace raymap {
 # Functions of Python with the options of these structs. Arguments after a colon have a form of their own there, or none.
 FUNCTIONS = """
 _generate.py generate GridOptions FieldOptions MachineOptions: resolution bounds shape band thickness triangle winding confidence
-_repair.py repair GridOptions RepairOptions MachineOptions: resolution shape bounds padding thickness align measure
+_repair.py repair GridOptions RepairOptions MachineOptions: resolution shape bounds padding thickness align measure cut_plane
 _repair.py simplify SimplifyOptions MachineOptions: tolerance device memory_limit
 _surface.py Surface SurfaceOptions MachineOptions: sign threshold device
 _field.py Field.render RenderOptions MachineOptions: cut_plane slice_plane frame array range memory_limit

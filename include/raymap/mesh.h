@@ -32,6 +32,13 @@ struct Box {
   bool operator==(const Box&) const = default;
 };
 
+/// The plane of all points p with dot(normal, p) = offset, in the mesh's units.
+struct Plane {
+  glm::dvec3 normal{0.0, 0.0, 1.0};  ///< Normal of any length but zero.
+  double offset = 0.0;
+  bool operator==(const Plane&) const = default;
+};
+
 /// An indexed triangle mesh. The position of vertex v is `origin + vertices[v]`, in the mesh's units.
 ///
 /// Vertices are single precision about a double-precision origin, so that a small mesh far from (0,0,0)

@@ -152,6 +152,7 @@ void forEachOption(OptionsOf<RepairOptions> auto& options, auto&& use) {
   use(OptionName{"remesh"}, options.remesh);
   use(OptionName{"tolerance", "LENGTH", kFromZero}, options.tolerance);
   use(OptionName{"triangles", "N", kFromZero}, options.triangles);
+  use(OptionName{"cut_plane", "NX NY NZ D"}, options.cutPlane);
   use(OptionName{"measure"}, options.measure);
 }
 

@@ -19,13 +19,6 @@ struct Picture {
 /// Largest width and height of a picture, in pixels.
 inline constexpr int kMaxPictureSide = 16384;
 
-/// The plane of all points p with dot(normal, p) = offset, in the mesh's units.
-struct Plane {
-  glm::dvec3 normal{0.0, 0.0, 1.0};  ///< Normal of any length but zero.
-  double offset = 0.0;
-  bool operator==(const Plane&) const = default;
-};
-
 /// How to draw a field by sphere tracing (Hart 1996).
 struct RenderOptions {
   int width = 1024;                         ///< Width of the picture, in pixels.

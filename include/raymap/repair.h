@@ -55,7 +55,10 @@ struct RepairOptions {
   /// Most triangles of the result, 0 = no limit. The tolerance is then the least that was found to reach this
   /// number, and `tolerance` limits it. Faces that could be kept are simplified, too.
   size_t triangles = 0;
-  /// Called with the result before it is measured, for example to round it as a file does.
+  /// Plane of a cut: what lies on the side of its normal is removed.
+  std::optional<Plane> cutPlane = {};
+  /// Called with the result before it is measured, for example to round it as a file does; again
+  /// after a cut.
   std::function<void(Mesh&)> roundResult = {};
   /// Whether to measure both meshes and how far they deviate; takes longer. Without, nothing in the report is
   /// set that compares the meshes or tells what is wrong with them.
@@ -173,6 +176,7 @@ struct RepairReport {
 struct Repaired {
   Mesh mesh = {};
   RepairReport report = {};
+  Mesh cutOff = {};  ///< The part that `RepairOptions::cutPlane` removes, closed as the result is.
 };
 
 /// A grid for a repair, and the thickness that chose the distance between its samples.
@@ -214,6 +218,9 @@ RAYMAP_API std::string describeThickness(const MeshView& mesh, const Verdict& ve
 /// leaving out degenerate and repeated faces, turning faces back, cutting faces where they meet others, and
 /// with `closeHoles` filling holes, leaves nothing wrong. Else fills what a plane closes before it makes the
 /// field; deviations are then measured from the mesh with these faces.
+///
+/// A cut comes last, so it adds to `RepairOptions::triangles`, and shares of lost area are those before it.
+/// It leaves both parts closed by flat faces.
 ///
 /// `options` say how distance and sign are found. All of `machine` is used. The field is a narrow band, made
 /// on the CPU; it has all samples, made on `device`, for a shell, if `device` names a GPU, and for another

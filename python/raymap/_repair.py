@@ -194,6 +194,7 @@ def repair(
     remesh: bool = False,
     tolerance: float | None = None,
     triangles: int | None = None,
+    cut_plane: tuple[float, float, float, float] | None = None,
     device: str = "auto",
     threads: int | None = None,
     memory_limit: int | None = None,
@@ -233,6 +234,7 @@ def repair(
             be kept are simplified only if it is given.
         triangles: Most triangles of the result, None = no limit. The tolerance is then the least that was found to
             reach this number, and ``tolerance`` limits it. Faces that could be kept are simplified, too.
+        cut_plane: Plane of a cut: what lies on the side of its normal is removed.
         device: Device that computes: ``"cpu"``; ``"vulkan:K"``, the Kth Vulkan device; ``"vulkan"``, the best of them,
             which may be a software rasterizer; ``"auto"``, a real GPU if one is usable, else the CPU.
         threads: Number of CPU threads; None = ``raymap.get_threads()``.

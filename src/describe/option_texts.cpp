@@ -39,7 +39,7 @@ constexpr std::array<OptionText, 68> kTexts{{
      "Whether to remove the half before the middle plane, as in the paper's figure 1. The cut face shows "
      "the distance inside."},
     {"cut_plane",
-     "Plane of the cut, instead of the middle one: what lies on the side of its normal is removed."},
+     "Plane of a cut: what lies on the side of its normal is removed."},
     {"device",
      "Device that computes: `cpu`; `vulkan:K`, the Kth Vulkan device; `vulkan`, the best of them, which "
      "may be a software rasterizer; `auto`, a real GPU if one is usable, else the CPU."},

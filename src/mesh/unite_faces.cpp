@@ -285,7 +285,7 @@ Mesh meshOf(const PackedMesh& given, const VertexLattice& lattice, const CutFace
 
 }  // namespace
 
-std::optional<UnitedFaces> uniteFaces(const Model& mesh) {
+std::optional<UnitedFaces> uniteFaces(const Model& mesh, bool mayTurn) {
   std::optional<CutFaces> cut = cutFaces(mesh);
   if (!cut) return {};
   const VertexLattice lattice(mesh);
@@ -293,7 +293,7 @@ std::optional<UnitedFaces> uniteFaces(const Model& mesh) {
   if (!fronts) return {};
   const Pieces parts = findPieces(mesh);
   bool isAnyInverted = false;
-  for (size_t p = 0; p < fronts->size() && !isAnyInverted; ++p)
+  for (size_t p = 0; mayTurn && !isAnyInverted && p < fronts->size(); ++p)
     isAnyInverted = (*fronts)[p] < 0 && parts.pieces[parts.ids[cut->pieces[p].face]].isCavity();
   const auto isInside = [&](int number) { return number > 0 || (isAnyInverted && number < 0); };
   std::vector<glm::uvec3> kept;

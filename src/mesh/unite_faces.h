@@ -21,9 +21,10 @@ struct UnitedFaces {
 };
 
 /// Cuts the faces of a balanced mesh where they meet others, and keeps the pieces that have a winding number
-/// of 1 or more behind, and of 0 or less in front. If a part is inside out and lies in no other one, negative
-/// numbers are inside, too, as they are for signs; faces around them are turned. Rounds new vertices to
-/// single precision, so new faces may cross again by as much. Returns nothing if it takes too much work.
-std::optional<UnitedFaces> uniteFaces(const Model& mesh);
+/// of 1 or more behind, and of 0 or less in front. With `mayTurn`, if a part is inside out and lies in no
+/// other one, negative numbers are inside, too, as they are for signs; faces around them are turned. Rounds
+/// new vertices to single precision, so new faces may cross again by as much. Returns nothing if it takes too
+/// much work.
+std::optional<UnitedFaces> uniteFaces(const Model& mesh, bool mayTurn = true);
 
 }  // namespace raymap

@@ -82,8 +82,9 @@ void keepCleaned(const Model& mesh, RepairRun& run) {
 
 /// Keeps the faces of a mesh whose parts cross, overlap or touch: those that bound their union.
 void keepUnited(RepairRun& run) {
-  const bool mayTurn = run.fieldOptions.orientation != Orientation::Keep;
-  UnitedParts united = uniteParts(Model(MeshView(run.mesh())), mayTurn, run.options.closeHoles);
+  const InsideOut insideOut =
+      run.fieldOptions.orientation == Orientation::Keep ? InsideOut::Kept : InsideOut::Turned;
+  UnitedParts united = uniteParts(Model(MeshView(run.mesh())), insideOut, run.options.closeHoles);
   run.report.fieldReason = united.failure;
   if (united.failure != FieldReason::None) return;
   std::vector<uint32_t> turned;

@@ -9,8 +9,8 @@
 
 namespace raymap {
 
-/// Runs all stages that the mesh and the options ask for.
-inline void runRepair(RepairRun& run) {
+/// Makes the solid.
+inline void makeResult(RepairRun& run) {
   const RepairOptions& options = run.options;
   RepairReport& report = run.report;
 
@@ -55,6 +55,13 @@ inline void runRepair(RepairRun& run) {
   if (!run.dropped.triangles.empty()) run.stage("dropped", [&] { leaveOutDropped(run); });
   if (!run.lost.empty() && report.leastThickness == 0.0) run.stage("surface", [&] { run.surface(); });
   run.stage("loss", [&] { inspectLoss(run); });
+}
+
+/// Runs all stages that the mesh and the options ask for.
+inline void runRepair(RepairRun& run) {
+  makeResult(run);
+  // All that was measured is about the whole solid.
+  if (run.options.cutPlane) run.stage("cut", [&] { cutResult(run); });
 }
 
 }  // namespace raymap

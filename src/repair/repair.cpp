@@ -38,6 +38,9 @@ void check(const Grid& grid, const RepairOptions& repair) {
   };
   require(std::isfinite(repair.offset), "the offset must be finite");
   require(std::isfinite(repair.base.value_or(0.0)), "the height of the base must be finite");
+  const Plane cut = repair.cutPlane.value_or(Plane{});
+  require(glm::length(cut.normal) > 0.0 && std::isfinite(glm::length(cut.normal) + cut.offset),
+          "the plane of a cut needs finite numbers and a normal that is not zero");
   require(repair.shell >= 0.0 && repair.drainHole >= 0.0, "walls and holes must not be negative");
   require(repair.drainHole == 0.0 || repair.shell > 0.0, "a drain hole needs a shell: a solid has no hollow");
   require(!repair.dropSmaller || (*repair.dropSmaller >= 0.0 && std::isfinite(*repair.dropSmaller)),

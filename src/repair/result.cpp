@@ -7,6 +7,7 @@
 #include "base/text.h"
 #include "mesh/diagnostics.h"
 #include "repair/stages.h"
+#include "repair/topology/cut_away.h"
 #include "repair/topology/drop_pieces.h"
 
 namespace raymap {
@@ -87,6 +88,16 @@ void inspectResult(RepairRun& run) {
   RepairReport& report = run.report;
   countPieces(result, report);
   inspect(result, report.after, report.crossingAfter, report.arrangementAfter);
+}
+
+void cutResult(RepairRun& run) {
+  const Plane& plane = *run.options.cutPlane;
+  Mesh kept = cutAway(run.result, plane);
+  run.repaired.cutOff = cutAway(run.result, {-plane.normal, -plane.offset});
+  run.result = std::move(kept);
+  if (run.options.roundResult) run.options.roundResult(run.result);
+  if (run.options.measure || run.report.keepsFaces()) return inspectResult(run);
+  countPieces(Model(run.result), run.report);
 }
 
 void inspect(const Model& mesh, Diagnostics& found, SelfIntersections& crossing, Arrangement& arrangement) {

@@ -38,6 +38,9 @@ void roundResult(RepairRun& run);
 /// Counts the pieces of the result, and finds what is wrong with it.
 void inspectResult(RepairRun& run);
 
+/// Cuts the result at `RepairOptions::cutPlane`, rounds it again, and finds what is wrong with it.
+void cutResult(RepairRun& run);
+
 /// Measures how far the mesh and the result deviate from each other. `RepairRun::lost` is then the lost
 /// points, or some of them if they are many, where they are on the mesh.
 void measure(RepairRun& run);

@@ -38,6 +38,47 @@ TEST_F(CliBatch, RepairsEachFileByItself) {
     EXPECT_TRUE(std::regex_search(all.out, std::regex("\n" + row))) << row << all.out;
 }
 
+TEST_F(CliBatch, MakesAFieldOfEachMesh) {
+  const std::string grid = " --resolution 16";
+  const Result all =
+      run("generate ball.obj bad.ply torn.stl -o out/ --format nrrd --stats all.json --sign paths" + grid);
+  EXPECT_EQ(all.code, exitCode(ErrorCode::Input)) << all.err;
+  EXPECT_EQ(written(), 2u);
+  succeed("generate torn.stl -o alone.nrrd --sign paths" + grid);
+  EXPECT_EQ(readBytes(path("out/torn.nrrd")), readBytes(path("alone.nrrd")));
+  EXPECT_TRUE(std::regex_search(all.out, std::regex("torn.stl +made +1,279 +- +- +[0-9.]+  out/torn.nrrd\n")))
+      << all.out;
+  const Json figures = json("all.json");
+  ASSERT_EQ(figures.size(), 3u);
+  EXPECT_EQ(figures[2]["grid"]["dims"], Json({16, 16, 16}));
+  EXPECT_EQ(figures[2]["result"], "out/torn.nrrd");
+  EXPECT_EQ(figures[1]["error"], "input");
+  succeed("generate ball.obj -o out/" + grid);
+  EXPECT_TRUE(fs::exists(path("out/ball.vdb")));
+  expectFailure("generate ball.obj torn.stl -o both.vdb", ErrorCode::Usage, "name a folder");
+  expectFailure("generate ball.obj torn.stl -o out/ --winding w.npy", ErrorCode::Usage,
+                "--winding names one file");
+  expectFailure("generate ball.obj -o out/ --frames 0:3", ErrorCode::Usage, "%04d");
+  expectFailure("generate ball.obj -o out/ --format nrrd --half", ErrorCode::Usage, "--half is for");
+}
+
+TEST_F(CliBatch, SplitsEachMesh) {
+  const Mesh plate = shapes::joined(shapes::box({0, 0, 0}, {1, 1, 1}), shapes::box({2, 0, 0}, {4, 1, 1}));
+  writeMesh(path("plate.ply"), plate);
+  const Result all = succeed("repair plate.ply ball.obj -o out/ --split --stats all.json");
+  EXPECT_EQ(written(), 3u);
+  EXPECT_EQ(diagnose(readMesh(path("out/plate_2.ply"))).signedVolume, 2.0);
+  EXPECT_TRUE(std::regex_search(all.out, std::regex("\n2 +2 x 1 x 1 +12 +2  out/plate_2.ply\n"))) << all.out;
+  EXPECT_NE(all.out.find("out/plate.ply in 2 parts\n"), std::string::npos) << all.out;
+  const Json figures = json("all.json");
+  EXPECT_EQ(figures[0]["parts"][1]["file"], "out/plate_2.ply");
+  EXPECT_EQ(figures[0]["parts"][1]["volume"], 2.0);
+  EXPECT_EQ(figures[1]["parts"].size(), 1u);
+  EXPECT_FALSE(figures[1].contains("result"));
+  succeed("convert plate.ply ball.obj -o out/ --split --format stl");
+  EXPECT_EQ(written(), 6u);
+}
+
 TEST_F(CliBatch, PrintsAnArrayOfFigures) {
   const Result all =
       run("repair torn.stl bad.ply ball.obj -o out --json --height 5 --remesh --resolution 32");

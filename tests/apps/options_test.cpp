@@ -100,7 +100,9 @@ TEST_F(CliOptions, SayWhatEachCommandWrites) {
   const std::string meshes = "Mesh to write: .ply, .obj, .stl, .glb or .3mf",
                     folder = "; or a folder, for a mesh of each input, with its name";
   const std::map<std::string, std::string> texts{
-      {"generate", "Field to write: .nrrd, .npy, .npz, .vti, .vdb or .nvdb"},
+      {"generate",
+       "Field to write: .nrrd, .npy, .npz, .vti, .vdb or .nvdb; or a folder, for a field of each input, with "
+       "its name"},
       {"query", "Results to write: .csv, .npy, .npz or .ply"},
       {"sample", "Points to write: .npz, .csv or .ply"},
       {"mesh", meshes},
@@ -208,7 +210,7 @@ TEST_F(CliOptions, AreUnderstoodOrNamed) {
       {"render torus.ply -o o.png --width 100", "--size WIDTH HEIGHT of render"},
       {"convert torus.ply -dash.off", "it begins like an option; a file of this name is ./-dash.off"},
       {"convert torus.ply a.ply b.ply", "--output is required"},
-      {"generate torus.ply b.ply -o o.nrrd", "there are more files than the command takes: b.ply"},
+      {"mesh torus.ply b.ply -o o.ply", "there are more files than the command takes: b.ply"},
       {"genrate torus.ply", "unknown command 'genrate'; did you mean generate?"},
       {"fix torus.ply", "raymap repair MESH -o RESULT"},
       {"voxelize torus.ply", "raymap generate MESH -o FIELD"},
@@ -221,7 +223,8 @@ TEST_F(CliOptions, AreUnderstoodOrNamed) {
       {"generate -qfo o.nrrd -r8 -- torus.ply", ""},
       {"generate -- torus.ply", "--output FILE is required"},
       {"check -q -- torus.ply torus.ply", ""},
-      {"generate torus.ply torus.ply -o o.nrrd", "more files than the command takes: torus.ply;"},
+      {"mesh torus.ply torus.ply -o o.ply", "more files than the command takes: torus.ply;"},
+      {"generate torus.ply torus.ply -o o.nrrd", "name a folder for them"},
       {"info torus.ply -q=3", "not understood: -=3"},
       {"-V", "raymap 0."},
       {"help repair", "Usage: raymap repair [OPTIONS] MESH"},

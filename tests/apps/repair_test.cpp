@@ -301,6 +301,34 @@ TEST_F(CliRepair, DrillsDownInTheAxesOfTheResult) {
   EXPECT_NE(glb, drilled("c.glb", "--up y --down 0 0 -1"));
   EXPECT_EQ(drilled("a.ply", "--up z"), drilled("b.ply", "--down 0 0 -1"));
   EXPECT_EQ(drilled("c.glb", "--down 0 0 -1"), drilled("d.glb", ""));
+  // Without --up, what is up in the input is up in the result.
+  succeed("convert ball.ply -o ball.glb");
+  const std::string hollow = "repair ball.glb -o e.glb --resolution 40 --shell .15 --drain-hole .25";
+  EXPECT_NE(succeed(hollow).out.find("\ndown is -y, as the format has it; --up"), std::string::npos);
+  const std::string guessed = readBytes(path("e.glb"));
+  succeed(hollow + " --down 0 -1 0");
+  EXPECT_EQ(readBytes(path("e.glb")), guessed);
+  EXPECT_NE(succeed("info ball.glb").out.find("\nup                       y, as in every .glb\n"),
+            std::string::npos);
+}
+
+TEST_F(CliRepair, CutsFlatAndWritesBothHalves) {
+  writeMesh(path("box.ply"), shapes::box({0, 0, 0}, {2, 3, 4}));
+  EXPECT_NE(succeed("repair box.ply -o low.stl --cut-plane 0 0 1 1.5").out.find("--split"),
+            std::string::npos);
+  EXPECT_EQ(diagnose(readMesh(path("low.stl"))).signedVolume, 9.0);
+  succeed("repair box.ply -o half.stl --cut-plane 0 0 1 1.5 --split --recenter --stats t.json");
+  EXPECT_EQ(readBytes(path("half_1.stl")).size(), readBytes(path("low.stl")).size());
+  const Json parts = json("t.json")["parts"];
+  ASSERT_EQ(parts.size(), 2u);
+  EXPECT_EQ(parts[0]["volume"], 9.0);
+  EXPECT_EQ(parts[1]["volume"], 15.0);
+  EXPECT_EQ(parts[1]["size"], Json({2.0, 3.0, 2.5}));
+  expectFailure("repair half_1.stl -o half.stl --split", ErrorCode::Usage, "half_1.stl: is the input");
+  expectFailure("repair box.ply -o a.stl --cut-plane 0 0 1 5", ErrorCode::Input,
+                "misses the solid, which reaches from 0 to 4");
+  expectFailure("repair box.ply -o - --format stl --split", ErrorCode::Usage,
+                "--split writes a file for each part");
 }
 
 }  // namespace

@@ -8,22 +8,12 @@
 #include <functional>
 
 #include "closed_mesh.h"
+#include "error_code.h"
 #include "mesh/compact.h"
 #include "shapes.h"
 
 namespace raymap {
 namespace {
-
-template <class Work>
-ErrorCode codeOf(const Work& work) {
-  try {
-    work();
-  } catch (const Error& error) {
-    return error.code();
-  }
-  ADD_FAILURE() << "no error";
-  return {};
-}
 
 using Height = std::function<double(int, int)>;
 

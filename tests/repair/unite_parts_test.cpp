@@ -29,7 +29,7 @@ Mesh join(std::initializer_list<Mesh> parts) {
 
 /// Expects a union with nothing wrong, and this volume and area.
 void expectUnion(const Mesh& mesh, double volume, double area, double tolerance = 1e-6) {
-  const UnitedParts united = uniteParts(Model(mesh), true);
+  const UnitedParts united = uniteParts(Model(mesh));
   ASSERT_EQ(united.failure, FieldReason::None);
   EXPECT_TRUE(isAllRight(Model(united.mesh)));
   const Diagnostics found = diagnose(united.mesh);
@@ -67,7 +67,7 @@ TEST(UniteParts, TurnsCrossingPartsThatAreInsideOut) {
   const Mesh small = shapes::inverted(shapes::box({1.5, 1.5, 1.5}, {3, 3, 3}));
   const Mesh mesh = join({shapes::box({0, 0, 0}, {2, 2, 2}), small});
   expectUnion(mesh, 8.0 + 3.375 - 0.125, 24.0 + 13.5 - 1.5);
-  EXPECT_EQ(uniteParts(Model(mesh), true).inverted.faces.size(), 12u);
+  EXPECT_EQ(uniteParts(Model(mesh)).inverted.faces.size(), 12u);
 }
 
 TEST(UniteParts, PartsSolidsAtACommonEdge) {
@@ -78,7 +78,7 @@ TEST(UniteParts, PartsSolidsAtACommonEdge) {
 TEST(UniteParts, KeepsFacesThatNothingMeets) {
   const glm::dvec3 aside(1.61, 0.13, 0.07);
   const Mesh mesh = join({shapes::sphere(1.0, 3), shapes::sphere(1.0, 3, aside)});
-  const UnitedParts united = uniteParts(Model(mesh), true);
+  const UnitedParts united = uniteParts(Model(mesh));
   ASSERT_EQ(united.failure, FieldReason::None);
   const auto cornersOf = [](const Mesh& m, const glm::uvec3& t) {
     return std::array{glm::vec3(m.position(t.x)), glm::vec3(m.position(t.y)), glm::vec3(m.position(t.z))};
@@ -153,12 +153,12 @@ TEST(UniteParts, UnitesThinSheetsStraightAndRotated) {
     Mesh turned = mesh;
     for (glm::vec3& v : turned.vertices) v = glm::vec3(turn * (glm::dvec3(v) + mesh.origin));
     turned.origin = glm::dvec3(0.0);
-    const UnitedParts united = uniteParts(Model(turned), true);
+    const UnitedParts united = uniteParts(Model(turned));
     ASSERT_EQ(united.failure, FieldReason::None) << angle;
     EXPECT_TRUE(isAllRight(Model(united.mesh)));
     EXPECT_NEAR(diagnose(united.mesh).signedVolume, volume, 1e-3 * volume) << angle;
     withThreads(1, [&] {
-      const Mesh same = uniteParts(Model(turned), true).mesh;
+      const Mesh same = uniteParts(Model(turned)).mesh;
       EXPECT_EQ(same.triangles, united.mesh.triangles);
       EXPECT_EQ(same.vertices, united.mesh.vertices);
     });
@@ -168,8 +168,8 @@ TEST(UniteParts, UnitesThinSheetsStraightAndRotated) {
 TEST(UniteParts, ClosesHolesIfAskedTo) {
   Mesh open = join({shapes::box({0, 0, 0}, {2, 2, 2}), shapes::box({1, 1, 1}, {3, 3, 3})});
   open.triangles.pop_back();
-  EXPECT_EQ(uniteParts(Model(open), true).failure, FieldReason::Open);
-  const UnitedParts united = uniteParts(Model(open), true, true);
+  EXPECT_EQ(uniteParts(Model(open)).failure, FieldReason::Open);
+  const UnitedParts united = uniteParts(Model(open), InsideOut::Turned, true);
   ASSERT_EQ(united.failure, FieldReason::None);
   EXPECT_TRUE(isAllRight(Model(united.mesh)));
   EXPECT_NEAR(diagnose(united.mesh).signedVolume, 15.0, 1e-5);
@@ -186,7 +186,7 @@ TEST(UniteParts, ClosesHolesThatEndAtEdgesOfThreeFaces) {
   ASSERT_EQ(open.triangles.size(), 10u);
   const Mesh both = join({open, shapes::box({2, 2, 0}, {4, 4, 2})});
   ASSERT_EQ(diagnose(both).nonManifoldEdges, 1u);
-  const UnitedParts united = uniteParts(Model(both), true, true);
+  const UnitedParts united = uniteParts(Model(both), InsideOut::Turned, true);
   ASSERT_EQ(united.failure, FieldReason::None);
   EXPECT_TRUE(isAllRight(Model(united.mesh)));
   EXPECT_EQ(united.filled.holes, 1u);
@@ -198,13 +198,13 @@ TEST(UniteParts, LeavesSheetsToTheField) {
   Mesh sheet = shapes::box({5, 5, 5}, {6, 6, 6});
   sheet.triangles.resize(2);
   const Mesh mesh = join({shapes::box({0, 0, 0}, {2, 2, 2}), shapes::box({1, 1, 1}, {3, 3, 3}), sheet});
-  EXPECT_EQ(uniteParts(Model(mesh), true, true).failure, FieldReason::Sheet);
+  EXPECT_EQ(uniteParts(Model(mesh), InsideOut::Turned, true).failure, FieldReason::Sheet);
 }
 
 TEST(UniteParts, TurnsLonePartsInsideOut) {
   const Mesh lone = shapes::inverted(shapes::box({5, 5, 5}, {6, 6, 6}));
   const Mesh mesh = join({shapes::box({0, 0, 0}, {2, 2, 2}), shapes::box({1, 1, 1}, {3, 3, 3}), lone});
-  const UnitedParts united = uniteParts(Model(mesh), true);
+  const UnitedParts united = uniteParts(Model(mesh));
   ASSERT_EQ(united.failure, FieldReason::None);
   EXPECT_TRUE(isAllRight(Model(united.mesh)));
   EXPECT_NEAR(diagnose(united.mesh).signedVolume, 16.0, 1e-5);
@@ -215,10 +215,10 @@ TEST(UniteParts, TurnsLonePartsInsideOut) {
 
 TEST(UniteParts, TellsWhatShareOfTheAreaLiesInside) {
   const UnitedParts nested =
-      uniteParts(Model(join({shapes::box({0, 0, 0}, {3, 3, 3}), shapes::box({1, 1, 1}, {2, 2, 2})})), true);
+      uniteParts(Model(join({shapes::box({0, 0, 0}, {3, 3, 3}), shapes::box({1, 1, 1}, {2, 2, 2})})));
   EXPECT_NEAR(nested.buriedShare, 6.0 / 60.0, 1e-6);
   const UnitedParts crossing =
-      uniteParts(Model(join({shapes::box({0, 0, 0}, {2, 2, 2}), shapes::box({1, 1, 1}, {3, 3, 3})})), true);
+      uniteParts(Model(join({shapes::box({0, 0, 0}, {2, 2, 2}), shapes::box({1, 1, 1}, {3, 3, 3})})));
   EXPECT_NEAR(crossing.buriedShare, 6.0 / 48.0, 1e-6);
   const Mesh mesh = join({shapes::box({0, 0, 0}, {3, 3, 3}), shapes::box({1, 1, 1}, {2, 2, 2})});
   const Repaired made = repair(mesh, fitRepairGrid(mesh, {.resolution = 16}));
@@ -231,7 +231,7 @@ TEST(UniteParts, NumbersTurnedFacesAsGiven) {
                     shapes::inverted(shapes::box({5, 5, 5}, {6, 6, 6}))});
   mesh.triangles.insert(mesh.triangles.begin() + 1, {0, 0, 1});
   mesh.triangles.erase(mesh.triangles.begin());
-  const UnitedParts united = uniteParts(Model(mesh), true, true);
+  const UnitedParts united = uniteParts(Model(mesh), InsideOut::Turned, true);
   ASSERT_EQ(united.failure, FieldReason::None);
   std::vector<uint32_t> faces(12);
   std::iota(faces.begin(), faces.end(), 24u);

@@ -14,7 +14,7 @@
 
 namespace raymap {
 
-UnitedParts uniteParts(const Model& given, bool mayTurn, bool closesHoles) {
+UnitedParts uniteParts(const Model& given, InsideOut insideOut, bool closesHoles) {
   constexpr int kMostRounds = 4;        // New vertices are rounded, so that faces may cross again.
   constexpr double kSameVolume = 1e-3;  // Share of the volume that rounding and cleaning may change.
   UnitedParts united{.mesh = weldedCopy(given)};
@@ -26,16 +26,17 @@ UnitedParts uniteParts(const Model& given, bool mayTurn, bool closesHoles) {
     united.cleanedFaces = cleaned.count;
     if (const Diagnostics found = diagnose(united.mesh); !found.balanced) {
       if (found.sheets > 0) return {.failure = FieldReason::Sheet};
-      if (closesHoles && (mayTurn || found.consistentlyOriented)) united.filled = fillHoles(united.mesh);
+      if (closesHoles && (insideOut == InsideOut::Turned || found.consistentlyOriented))
+        united.filled = fillHoles(united.mesh);
       if (united.filled.holes == 0) return {.failure = FieldReason::Open};
     }
   }
-  if (mayTurn) united.inverted = findInvertedParts(united.mesh);
+  if (insideOut == InsideOut::Turned) united.inverted = findInvertedParts(united.mesh);
   turnFaces(united.mesh, united.inverted.faces);
   double volume = 0.0;
   for (int round = 0; round < kMostRounds; ++round) {
     const Model mesh(united.mesh);
-    std::optional<UnitedFaces> cut = uniteFaces(mesh);
+    std::optional<UnitedFaces> cut = uniteFaces(mesh, insideOut != InsideOut::Subtracted);
     if (!cut || cut->mesh.triangles.empty()) break;
     if (round == 0) {
       std::ranges::set_symmetric_difference(united.inverted.faces, cut->turned,

@@ -25,9 +25,16 @@ struct UnitedParts {
   FieldReason failure = FieldReason::None;  ///< Why there is no such mesh.
 };
 
+/// What parts that are inside out stand for.
+enum class InsideOut : uint8_t {
+  Turned,     ///< For solids; they are turned, those that cross others before anything else.
+  Kept,       ///< For solids where they cross no others.
+  Subtracted  ///< They take away from the others.
+};
+
 /// Cuts the faces of a mesh where they cross, overlap or touch, and keeps what bounds the union. With
-/// `mayTurn`, turns parts first that are inside out and cross others. With `closesHoles`, closes all holes
-/// before, unless a part is a sheet; rims between faces that face against each other, too, if it may turn.
-UnitedParts uniteParts(const Model& mesh, bool mayTurn, bool closesHoles = false);
+/// `closesHoles`, closes all holes before, unless a part is a sheet; if parts may be turned, also those
+/// between faces that face against each other.
+UnitedParts uniteParts(const Model& mesh, InsideOut insideOut = InsideOut::Turned, bool closesHoles = false);
 
 }  // namespace raymap
