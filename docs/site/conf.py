@@ -10,6 +10,7 @@ exclude_patterns = ["docs/site"]
 html_theme = "furo"
 html_static_path = ["docs/site/static"]
 html_css_files = ["site.css"]
+html_js_files = ["site.js"]
 html_show_copyright = html_show_sphinx = html_copy_source = False
 myst_heading_anchors = 4
 breathe_projects = {"raymap": "doxygen/xml"}
