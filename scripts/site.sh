@@ -17,8 +17,8 @@ mkdir -p "$work/reference/cpp"
 
 (cat docs/site/Doxyfile && echo "OUTPUT_DIRECTORY = $work/doxygen") | doxygen -
 for header in include/raymap/*.h; do
-  name=raymap/${header##*/}
-  printf '%s\n' "$name" "${name//?/=}" '' ".. doxygenfile:: ${header##*/}" >"$work/reference/cpp/$(basename "$header" .h).rst"
+  name=${header##*/}
+  printf '%s\n' "$name" "${name//?/=}" '' ".. doxygenfile:: $name" >"$work/reference/cpp/${name%.h}.rst"
 done
 rm "$work/reference/cpp/c.rst"  # It has a page of its own.
 

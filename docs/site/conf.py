@@ -15,6 +15,7 @@ html_show_copyright = html_show_sphinx = html_copy_source = False
 myst_heading_anchors = 4
 breathe_projects = {"raymap": "doxygen/xml"}
 breathe_default_project = "raymap"
+breathe_show_include = False
 breathe_domain_by_file_pattern = {"*/c.h": "c"}
 suppress_warnings = ["duplicate_declaration"]  # Headers open one namespace; C types are called as their structs.
 autodoc_mock_imports = ["torch", "jax", "dask", "distributed"]
@@ -36,8 +37,8 @@ def adapt_page(app, name, content):
 
 
 def adapt_docstring(app, what, name, obj, options, lines):
-    """Keeps |x| a magnitude, which reStructuredText takes for the name of a text."""
-    lines[:] = [line.replace("|", r"\|") for line in lines]
+    """Keeps |x| a magnitude, which reStructuredText takes for the name of a text, and leaves out what Python makes up."""
+    lines[:] = [line.replace("|", r"\|") for line in lines if not line.startswith("Alias for field number")]
 
 
 def setup(app):
