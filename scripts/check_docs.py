@@ -45,9 +45,11 @@ HEADERS = {
 
 
 def pages():
-    for page in sorted(ROOT.rglob("*.md")):
-        if not {"build", "out", ".git"} & set(page.relative_to(ROOT).parts[:1]):
-            yield page
+    for top in sorted(ROOT.iterdir()):
+        if top.suffix == ".md":
+            yield top
+        elif top.name not in ("build", "out", ".git"):  # A build beside may remove files.
+            yield from sorted(top.rglob("*.md"))
 
 
 def prose(text):
