@@ -6,5 +6,6 @@ document.addEventListener("DOMContentLoaded", () => {
   all("aside.sidebar-drawer", aside => aside.setAttribute("aria-label", "Pages"));
   all("aside.toc-drawer", aside => aside.setAttribute("aria-label", "On this page"));
   all("thead", head => head.textContent.trim() || head.remove());
+  all("th", cell => cell.textContent.trim() || cell.replaceWith(document.createElement("td")));
   all("pre, .table-wrapper", box => (box.tabIndex = 0));
 });
