@@ -139,7 +139,7 @@ std::string manPage(const Program& program, const Command& command) {
   return text + ".SH NOTES\n" + roffOfFooter(command.footer);
 }
 
-/// Returns the options over the commands, as docs/cli.md has them.
+/// Returns the options over the commands, as docs/dev/option_table.md has them.
 std::string tableOf(const Program& program) {
   std::string text = "| option | also written | value | default | commands |\n|---|---|---|---|---|\n";
   for (const OptionRow& row : optionRows()) {

@@ -24,7 +24,7 @@ PUBLISHED = ("common3d__beetle.obj", "common3d__teapot.obj", "trimesh__suzanne.p
 
 @table
 def signs(folder, resolution=48, only=("",)):
-    """Wrong signs, and in brackets the mean error of w, by sign mode: docs/signs.md."""
+    """Wrong signs, and in brackets the mean error of w, by sign mode: docs/dev/measurements.md."""
     meshes = broken("torus", torus())
     for name in ("common3d__spot.obj", "libigl__bunny.off"):
         meshes |= broken(name, load(folder / name))
@@ -45,7 +45,7 @@ def signs(folder, resolution=48, only=("",)):
 
 @table
 def deficient_meshes(folder, resolution=64, only=("",)):
-    """Wrong signs in % and milliseconds of each mode on meshes with defects: docs/evaluation.md."""
+    """Wrong signs in % and milliseconds of each mode on meshes with defects: docs/dev/mesh_tables.md."""
 
     def measure(row):
         mesh = load(folder / row["file"])
@@ -91,7 +91,7 @@ def rims(folder, resolutions=(48, 64, 128), only=("",)):
 
 @table
 def distances(folder, resolution=64):
-    """Errors in samples of the paper's unsigned distances: docs/distances.md."""
+    """Errors in samples of the paper's unsigned distances: docs/dev/measurements.md."""
     head("mesh", "method", "max", "mean", "wrong", "max near", "mean near", "wrong near")
     for name in ("draco__bun_zipper.ply", "fcpw__armadillo.obj", "common3d__igea.ply", "common3d__spot.obj",
                  "common3d__fandisk.obj", "libigl__truck.obj"):  # fmt: skip
@@ -337,7 +337,7 @@ def volume(made):
 
 @table
 def close_holes(bunny, resolution=96):
-    """Errors of closed holes in shapes whose cap is cut off: docs/distances.md. BUNNY is libigl__bunny.off."""
+    """Errors of closed holes in shapes whose cap is cut off: docs/dev/measurements.md. BUNNY is libigl__bunny.off."""
     import raymap
     import trimesh
 

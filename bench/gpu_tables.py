@@ -1,4 +1,4 @@
-"""Runs gpu_bench for all figures of the section "On a GPU" of docs/performance.md: prints tables, draws two charts."""
+"""Runs gpu_bench for all figures of the section "On a GPU" of docs/dev/measurements.md: prints tables, draws two charts."""
 
 import argparse
 import math

@@ -202,7 +202,7 @@ def print_meshes(rows):
 
 @table
 def repair(folder, resolution=256, work=WORK, only=("",), points=50000):
-    """Faults by admesh and trimesh, distances by Open3D, and warnings, of every repaired mesh: docs/evaluation.md."""
+    """Faults by admesh and trimesh, distances by Open3D, and warnings, of every repaired mesh: docs/dev/mesh_tables.md."""
     if shutil.which("admesh") is None:
         sys.exit("admesh is not installed; scripts/install.sh --bench installs it")
     work = pathlib.Path(work)

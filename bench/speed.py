@@ -185,7 +185,7 @@ STAGES = [{}, {"band": 3, "sign": "none"}, *({"distance": mode, "sign": "rays"} 
 
 @table
 def stages(meshes=("scan", "holes", "million"), resolutions=(50, 128, 256), rounds=5):
-    """Milliseconds of each stage with warm memory, over the time for the bytes that it must move: docs/performance.md."""
+    """Milliseconds of each stage with warm memory, over the time for the bytes that it must move: docs/dev/measurements.md."""
     import raymap
 
     source, target = np.ones(2**25), np.ones(2**25)

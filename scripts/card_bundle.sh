@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Makes the folder build/card_bundle for somebody who has a graphics card and nothing else: the tests and benchmarks of the
-# GPU, and every shared library that they need but the C library's. docs/performance.md says how it is used.
+# GPU, and every shared library that they need but the C library's. docs/dev/measurements.md says how it is used.
 #
 # scripts/card_bundle.sh FOLDER: FOLDER holds meshes to measure, the scan draco__bun_zipper.ply among them.
 set -euo pipefail

@@ -23,7 +23,7 @@ import re
 from source_tree import COMMENT, chosen_root, commands, finish
 
 PAGE = "docs/capabilities.md"
-OPTIONS_PAGE, OPTIONS_COLUMNS = "docs/cli.md", 5
+OPTIONS_PAGE, OPTIONS_COLUMNS = "docs/dev/option_table.md", 5
 COLUMNS = ("C++", "C", "Python", "Command line")
 COMMENT_OR_DIRECTIVE = re.compile(COMMENT + r"|^[ \t]*#(?:\\\n|[^\n])*", re.S | re.M)
 SCOPE = re.compile(r"\b(namespace|class|struct|union|enum(?: class)?)\s+(?:RAYMAP_\w+\s+)?([\w:]*)(?!.*\b(?:class|struct)\b)[^()]*$",
@@ -166,8 +166,8 @@ class Package:
 
 
 class Program:
-    """The commands of the program, by its source, and their options, by the table of docs/cli.md. A test compares that
-    table with the program."""
+    """The commands of the program, by its source, and their options, by docs/dev/option_table.md. A test compares that page with
+    the program."""
 
     def __init__(self, root):
         text = "\n".join(path.read_text() for path in sorted((root / "apps").glob("*.cpp")))

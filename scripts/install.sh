@@ -35,6 +35,7 @@ checks=(
   chromium-driver                # pages in a browser
   xvfb xdotool                   # the window
   libnanovdb-tools               # another judge of .nvdb files
+  doxygen                        # the documentation site
 )
 peers=(
   libembree-dev                  # exact peer

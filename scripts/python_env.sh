@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Prints the Python of a virtual environment, build/python-env, that can build and test the Python package. Makes it, and
 # installs from PyPI what python/tests/requirements.txt names; with --all also large_packages.txt, 7 GB, which tests of
-# their meshes and arrays need.
+# their meshes and arrays need; with --site site_packages.txt, which build the documentation site.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 env=build/python-env
@@ -17,4 +17,5 @@ install() { # the list of packages, unless it is installed already
 if [[ ! -x $env/bin/python ]]; then python3 -m venv "$env" >&2; fi
 install requirements.txt
 if [[ ${1:-} == --all ]]; then install large_packages.txt; fi
+if [[ ${1:-} == --site ]]; then install site_packages.txt; fi
 echo "$PWD/$env/bin/python"

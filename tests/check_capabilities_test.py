@@ -74,7 +74,7 @@ class Field:
 def load(path, **options: Unpack[Options]): ...
 """)
         self.put("apps/info.cpp", 'app.addCommand(\n      "info", "Reports");\nentry("-h, --help", "Help");\n')
-        self.put("docs/cli.md", "| option | also written | value | default | commands |\n|---|---|---|---|---|\n"
+        self.put("docs/dev/option_table.md", "| option | also written | value | default | commands |\n|---|---|---|---|---|\n"
                                 "| `--json` | `-j` |  |  | info |\n| `-o`, `--output` |  | FILE |  | mesh |\n"
                                 "| `--quiet` |  |  |  | all |\n")
 
@@ -158,7 +158,7 @@ def load(path, **options: Unpack[Options]): ...
 
     def test_a_page_without_rows_is_an_error(self):
         self.put("docs/capabilities.md", "# Nothing\n")
-        self.put("docs/cli.md", "")
+        self.put("docs/dev/option_table.md", "")
         self.assertIn("0 features", self.output(1))
 
 

@@ -31,11 +31,11 @@ class CheckDocs(PlantedTree):
         self.assert_accepted(" 0 faults")
 
     def test_finds_files_that_are_gone(self):
-        self.edit("docs/algorithm.md", "`orientation_sides.comp`", "`orientation_rises.comp`")
+        self.edit("docs/dev/walks.md", "`orientation_sides.comp`", "`orientation_rises.comp`")
         self.append("docs/points.md", "See `src/cpu/points/gone.h`, and `quarantine/MESH/log.txt`.")
-        lines = (self.root / "docs/algorithm.md").read_text().splitlines()
+        lines = (self.root / "docs/dev/walks.md").read_text().splitlines()
         line = 1 + next(k for k, text in enumerate(lines) if "orientation_rises.comp" in text)
-        self.assert_found(f"docs/algorithm.md:{line}: no file is named orientation_rises.comp",
+        self.assert_found(f"docs/dev/walks.md:{line}: no file is named orientation_rises.comp",
                           "no file is named src/cpu/points/gone.h")
 
     def test_finds_pages_that_no_index_lists_once(self):

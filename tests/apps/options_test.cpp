@@ -145,8 +145,8 @@ TEST_F(CliOptions, AreListedInTheDocs) {
       table.find("| `--voxel-size` | `--voxel`, `--spacing` | LENGTH |  | generate, mesh, render, repair |"),
       std::string::npos)
       << table;
-  EXPECT_NE(readBytes(RAYMAP_DOCS "/cli.md").find("\n" + table), std::string::npos)
-      << "docs/cli.md: replace the table of options by the output of raymap manual --table";
+  EXPECT_NE(readBytes(RAYMAP_DOCS "/dev/option_table.md").find("\n" + table), std::string::npos)
+      << "docs/dev/option_table.md: replace the table by the output of raymap manual --table";
 }
 
 TEST_F(CliOptions, AreUnderstoodOrNamed) {
