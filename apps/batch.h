@@ -66,7 +66,8 @@ void runOnEach(const Arguments& arguments, Outcome (*work)(Arguments&)) {
     each.mesh = job.input;
     each.result = job.output;
     Outcome outcome = work(each);
-    outcome.figures["result"] = job.output.string();
+    const bool isSplit = outcome.figures.contains("parts") && !outcome.figures["parts"].is_null();
+    outcome.figures["result"] = isSplit ? Json() : Json(job.output.string());
     return outcome;
   };
   if (isFolder(all.result)) return doAll(jobs, all.stats, workOn);

@@ -123,6 +123,7 @@ Json optionsOf(const GenerateArguments& arguments) {
 Json describe(const GenerateArguments& arguments, const Report& report) {
   return {{"raymap", version().text},
           {"mesh", arguments.mesh.string()},
+          {"result", arguments.field.empty() ? Json() : Json(arguments.field.string())},
           {"frame", nullptr},
           {"steps", toJson(report.steps())},
           {"diagnostics", toJson(report.found)},

@@ -37,7 +37,7 @@ TOLERANCE = 0.002  # Of the diagonal: farther from the result, a point of the su
 # Largest shares of wrong signs near the surface in a case of --quick. With "nested" the file says that the cavity is solid,
 # and with "missing" it does not say where the surface was.
 WORST_SIGN, AMBIGUOUS = 0.05, {"nested": 0.15, "missing": 0.15}
-KNOWN = ("nested",)  # Breaks whose repair is known to lose area unsaid. Empty this once it is mended.
+KNOWN = ()  # Breaks whose repair is known to lose area unsaid.
 QUICK = ("ball", "ring", "drop", "shells")  # Meshes of --quick, whose repairs are cheap.
 Grid = collections.namedtuple("Grid", "shape spacing origin")
 
