@@ -25,7 +25,7 @@ struct UnitedParts {
   FieldReason failure = FieldReason::None;  ///< Why there is no such mesh.
 };
 
-/// What parts that are inside out stand for.
+/// Meaning of parts that are inside out.
 enum class InsideOut : uint8_t {
   Turned,     ///< For solids; they are turned, those that cross others before anything else.
   Kept,       ///< For solids where they cross no others.
