@@ -76,6 +76,9 @@ void printMended(const RepairReport& report, const std::optional<double>& base) 
   if (report.unitedFaces > 0)
     words += (words.empty() ? "" : ", ") +
              ("cut " + counted(report.unitedFaces, "face") + " where they met others");
+  if (report.sewnVertices > 0)
+    words += (words.empty() ? "" : ", ") + ("joined " + counted(report.sewnVertices, "pair")) +
+             " of vertices across cracks";
   if (report.closingFaces > 0 && !base)
     words += (words.empty() ? "" : ", ") + ("closed " + counted(report.closedHoles, "hole")) + " with " +
              counted(report.closingFaces, "face");

@@ -491,6 +491,8 @@ class RepairReport(TypedDict):
     united_faces: int
     """Number of faces that were cut where they cross, overlap or touch others, so that the faces that bound the union
     could be kept. 0 also if no face was, but parts in others went."""
+    sewn_vertices: int
+    """Number of vertices that were joined to others across cracks."""
     closed_holes: int
     """Number of holes that faces were added to close, before anything else."""
     closing_faces: int

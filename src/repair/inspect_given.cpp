@@ -96,6 +96,7 @@ void keepUnited(RepairRun& run) {
                        run.mended.filled.faces + united.filled.faces};
   run.report.unitedFaces = united.cutFaces;
   run.report.cleanedFaces = united.cleanedFaces;
+  run.report.sewnVertices = united.sewnVertices;
   run.report.buriedShare = united.buriedShare;
   run.report.stats.invertedParts = std::move(united.inverted.firsts);
   warnOfInvertedParts(run.report.stats, run.machine.warn);

@@ -11,6 +11,7 @@
 #include "repair/topology/clean_faces.h"
 #include "repair/topology/mend.h"
 #include "repair/topology/part_edges.h"
+#include "repair/topology/sew_cracks.h"
 
 namespace raymap {
 
@@ -24,6 +25,7 @@ UnitedParts uniteParts(const Model& given, InsideOut insideOut, bool closesHoles
     united.mesh = std::move(cleaned.mesh);
     faces = std::move(cleaned.given);
     united.cleanedFaces = cleaned.count;
+    if (closesHoles) united.sewnVertices = sewCracks(united.mesh);
     if (const Diagnostics found = diagnose(united.mesh); !found.balanced) {
       if (found.sheets > 0) return {.failure = FieldReason::Sheet};
       if (closesHoles && (insideOut == InsideOut::Turned || found.consistentlyOriented))
