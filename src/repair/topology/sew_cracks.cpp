@@ -12,7 +12,8 @@ namespace raymap {
 
 namespace {
 
-constexpr double kShare = 0.25;  // Of the shortest edge on a rim: farther vertices are no two sides of a crack.
+constexpr double kShare =
+    0.25;  // Of the shortest edge on a rim: farther vertices are no two sides of a crack.
 constexpr double kWidest = 2e-3;  // The same, of the mesh's diagonal.
 constexpr size_t kMostTests = size_t{1} << 26;
 /// Vertices are sorted along this direction: rims often lie in planes across an axis.
@@ -24,7 +25,7 @@ struct RimVertex {
   glm::dvec3 place;
   double along;
   uint32_t vertex;
-  double reach;             ///< How far its other half may lie.
+  double reach;              ///< How far its other half may lie.
   uint32_t nearest = kNone;  ///< Number of the nearest one.
   double distance = INFINITY;
 };
@@ -38,13 +39,15 @@ std::vector<RimVertex> rimVertices(const Mesh& mesh) {
   forEachEdge(halfEdges, 0, halfEdges.size(), [&](std::span<const SortKey> edge) {
     if (edge.size() != 1) return;
     const HalfEdge only = halfEdgeOf(edge[0]);
-    const double length = glm::distance(glm::dvec3(mesh.vertices[only.low]), glm::dvec3(mesh.vertices[only.high]));
+    const double length =
+        glm::distance(glm::dvec3(mesh.vertices[only.low]), glm::dvec3(mesh.vertices[only.high]));
     for (const uint32_t v : {only.low, only.high}) reach[v] = std::min(reach[v], kShare * length);
   });
   std::vector<RimVertex> found;
   for (uint32_t v = 0; v < reach.size(); ++v)
     if (reach[v] < INFINITY)
-      found.push_back({glm::dvec3(mesh.vertices[v]), glm::dot(kAlong, glm::dvec3(mesh.vertices[v])), v, std::min(reach[v], kWidest * glm::length(box.size()))});
+      found.push_back({glm::dvec3(mesh.vertices[v]), glm::dot(kAlong, glm::dvec3(mesh.vertices[v])), v,
+                       std::min(reach[v], kWidest * glm::length(box.size()))});
   std::ranges::stable_sort(found, {}, &RimVertex::along);
   return found;
 }
