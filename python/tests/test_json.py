@@ -45,6 +45,8 @@ COMMANDS = """
 0 repair scan.ply -o solid.ply --resolution 60 --shell 0.3 --drain-hole 0.2 --drop-smaller 0.1 --json
 0 repair ball.ply -o solid.3mf --fit 1 1 1 --remesh --resolution 24 --tolerance 0.1 --triangles 100 --json
 3 repair ball.ply notes.ply scan.ply -o repaired/ --resolution 24 --json
+0 repair ball.ply -o half.ply --cut-plane 0 0 1 0.1 --split --json
+3 generate ball.ply notes.ply -o fields/ --resolution 12 --json
 0 simplify ball.ply -o small.ply --triangles 100 --json
 3 simplify ball.ply notes.ply -o simplified/ --tolerance 0.01 --json
 0 compare ball.npz ball.npz --json
@@ -86,7 +88,7 @@ def test_commands_print_what_the_schema_says(end_raymap) -> None:
         for text in out.splitlines() if words[0] == "check" else [out]:  # Nothing else stands there.
             errors = [error.message for error in validator(name).iter_errors(json.loads(text))]
             assert not errors, (line, errors)
-    commands = re.search(r"^\| `--json` \|.*\| (.*) \|$", Path(ROOT, "docs/cli.md").read_text(), re.MULTILINE)[1]
+    commands = re.search(r"^\| `--json` \|.*\| (.*) \|$", Path(ROOT, "docs/dev/option_table.md").read_text(), re.MULTILINE)[1]
     assert names == {*commands.split(", "), "generate_report"} == {name for name in SCHEMA["$defs"] if name.islower()}
 
 
