@@ -31,12 +31,15 @@ def cells(command):
     """Returns the grid, CPU seconds, MB of memory, MB of the file and the thinnest wall of a command."""
     took, memory, _ = zip(*(run(f"{command} --quiet") for _ in range(RUNS)))
     file = Path(re.search(r"(?:-o|--picture) (\S+)", command)[1])
+    measured = f"{statistics.median(took):.2g}", f"{max(memory):.0f}", f"{float(f'{file.stat().st_size / 1e6:.2g}'):g}"
     grid = wall = "–"
     if re.match("raymap (generate|mesh|repair)", command):
         figures = json.loads(run(f"{command} --json --quiet")[2])
+        if figures.get("depth", "field") != "field":
+            return grid, *measured, wall
         grid = " x ".join(map(str, figures["grid"]["dims"]))
         wall = f"{figures.get('options', {}).get('min_thickness') or 1.75 * figures['grid']['spacing']:.2g}"
-    return grid, f"{statistics.median(took):.2g}", f"{max(memory):.0f}", f"{float(f'{file.stat().st_size / 1e6:.2g}'):g}", wall
+    return grid, *measured, wall
 
 
 def main():
