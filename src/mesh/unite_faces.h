@@ -25,6 +25,6 @@ struct UnitedFaces {
 /// other one, negative numbers are inside, too, as they are for signs; faces around them are turned. Rounds
 /// new vertices to single precision, so new faces may cross again by as much. Returns nothing if it takes too
 /// much work.
-std::optional<UnitedFaces> uniteFaces(const Model& mesh, bool mayTurn = true);
+std::optional<UnitedFaces> uniteFaces(const Model& mesh, bool mayTurn);
 
 }  // namespace raymap

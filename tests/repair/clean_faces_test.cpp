@@ -132,6 +132,19 @@ TEST(CleanFaces, LeavesOutTheOtherSideOfFacesThatCloseTheSurface) {
   }
 }
 
+TEST(CleanFaces, LeavesOutAsManyAsTheSurfaceNeeds) {
+  const Mesh ball = shapes::sphere(1.0, 2);
+  const glm::uvec3 t = ball.triangles[5], back(t.x, t.z, t.y);
+  // Two faces each way cancel. The surface needs one more outwards than back, so one goes.
+  for (const std::vector<glm::uvec3>& layers : {std::vector{t, back, back}, std::vector{back, t, back}}) {
+    Mesh layered = ball;
+    layered.triangles.insert(layered.triangles.end(), layers.begin(), layers.end());
+    const CleanedFaces cleaned = cleanFaces(Model(layered));
+    EXPECT_EQ(cleaned.mesh.triangles.size(), layered.triangles.size() - 1);
+    EXPECT_TRUE(diagnose(cleaned.mesh).balanced);
+  }
+}
+
 TEST(CleanFaces, KeepsBothSidesOfASheetOnASolid) {
   Mesh fin = shapes::box({0, 0, 0}, {2, 2, 2});
   const auto top = uint32_t(fin.vertices.size());

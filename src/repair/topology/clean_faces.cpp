@@ -54,35 +54,47 @@ void leaveOutOtherSides(CleanedFaces& cleaned) {
   const DoubleSidedFaces found = findDoubleSidedFaces(PackedMesh(cleaned.mesh));
   if (found.empty()) return;
   const std::vector<glm::uvec3>& faces = cleaned.mesh.triangles;
-  std::map<std::pair<uint32_t, uint32_t>, int> surplus;  // Of each edge: faces that run along it and back.
+  struct Edge {
+    int surplus = 0;              // Faces that run along it, less those that run back.
+    std::vector<size_t> at = {};  // Those of `others` that lie at it.
+  };
+  std::map<std::pair<uint32_t, uint32_t>, Edge> edges;
   const auto add = [&](const glm::uvec3& t, int count) {
     for (int k = 0; k < 3; ++k) {
       const auto [low, high] = std::minmax({t[k], t[(k + 1) % 3]});
-      if (const auto edge = surplus.find({low, high}); edge != surplus.end())
-        edge->second += low == t[k] ? count : -count;
+      if (const auto edge = edges.find({low, high}); edge != edges.end())
+        edge->second.surplus += low == t[k] ? count : -count;
     }
   };
   const auto along = [&](const glm::uvec3& t) {
     int sum = 0;
     for (int k = 0; k < 3; ++k) {
       const auto [low, high] = std::minmax({t[k], t[(k + 1) % 3]});
-      sum += (low == t[k] ? 1 : -1) * surplus.at({low, high});
+      sum += (low == t[k] ? 1 : -1) * edges.at({low, high}).surplus;
     }
     return sum;
   };
-  for (const uint32_t f : found.firsts)
-    for (int k = 0; k < 3; ++k) surplus[std::minmax({faces[f][k], faces[f][(k + 1) % 3]})] = 0;
+  std::vector<size_t> waiting;
+  for (size_t k = found.others.size(); k-- > 0;) {
+    const glm::uvec3& t = faces[found.others[k]];
+    for (int c = 0; c < 3; ++c) edges[std::minmax({t[c], t[(c + 1) % 3]})].at.push_back(k);
+    waiting.push_back(k);
+  }
   for (const glm::uvec3& t : faces) add(t, 1);
   std::vector<bool> isLeftOut(faces.size()), isDecided(found.firsts.size());
-  for (bool isAny = true; isAny;) {
-    isAny = false;
-    for (size_t k = 0; k < found.others.size(); ++k) {
-      const uint32_t first = found.firsts[found.groupOf[k]];
-      const int more = isDecided[found.groupOf[k]] ? 0 : along(faces[first]);
-      if (more == 0) continue;
-      const uint32_t out = more > 0 ? first : found.others[k];
-      add(faces[out], -1);
-      isLeftOut[out] = isDecided[found.groupOf[k]] = isAny = true;
+  while (!waiting.empty()) {
+    const size_t k = waiting.back(), group = found.groupOf[k];
+    waiting.pop_back();
+    const uint32_t first = found.firsts[group], other = found.others[k];
+    const int more = isDecided[group] ? 0 : along(faces[first]);
+    if (more == 0 || along(faces[other]) == more) continue;  // The same if both face one way.
+    const uint32_t out = more > 0 ? first : other;
+    const glm::uvec3& t = faces[out];
+    add(t, -1);
+    isLeftOut[out] = isDecided[group] = true;
+    for (int c = 0; c < 3; ++c) {
+      const std::vector<size_t>& beside = edges.at(std::minmax({t[c], t[(c + 1) % 3]})).at;
+      waiting.insert(waiting.end(), beside.begin(), beside.end());
     }
   }
   leaveOut(isLeftOut, cleaned);
