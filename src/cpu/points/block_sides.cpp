@@ -223,12 +223,7 @@ class SideFinder {
     const double doubt = doubtAt(neighbour);
     if (!(doubt < kWhole)) return {0.0, INFINITY};
     const glm::dvec3 from = blocks_.points[neighbour], to = blocks_.points[point];
-    const SurfaceTree& tree = surface_.signTree();
-    findTrianglesAlong(tree, toCells(surface_.grid, from), toCells(surface_.grid, to), slack_, faces);
-    for (uint32_t& face : faces) face = tree.triangleId(face);
-    const glm::dvec3& origin = surface_.mesh.origin;
-    const int32_t change =
-        countFaceCrossings(surface_.mesh, surface_.turns, faces, from - origin, to - origin);
+    const int32_t change = crossingsBetween(surface_, from, to, faces);
     if (change == kUnsure) return {0.0, INFINITY};
     return {numberAt(neighbour) + change + glm::dot(changes_[cubes_[point]].slope, to - from), doubt};
   }

@@ -1,5 +1,7 @@
 #include "cpu/points/face_crossings.h"
 
+#include "cpu/points/point_cells.h"
+#include "cpu/points/segment_crossings.h"
 #include "mesh/triangle.h"
 #include "predicates/segment_triangle.h"
 
@@ -18,6 +20,16 @@ int32_t countFaceCrossings(const PackedMesh& mesh, const Turns& turns, std::span
     sum += crossing;
   }
   return sum;
+}
+
+int32_t crossingsBetween(const PreparedSurface& surface, const glm::dvec3& from, const glm::dvec3& to,
+                         std::vector<uint32_t>& faces) {
+  const SurfaceTree& tree = surface.signTree();
+  findTrianglesAlong(tree, toCells(surface.grid, from), toCells(surface.grid, to),
+                     slackOf(tree, surface.grid.dims), faces);
+  for (uint32_t& face : faces) face = tree.triangleId(face);
+  const glm::dvec3& origin = surface.mesh.origin;
+  return countFaceCrossings(surface.mesh, surface.turns, faces, from - origin, to - origin);
 }
 
 }  // namespace raymap::cpu

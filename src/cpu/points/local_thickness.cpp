@@ -7,10 +7,12 @@
 #include "cpu/points/local_thickness.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <glm/gtc/constants.hpp>
 
 #include "base/parallel.h"
+#include "cpu/points/face_crossings.h"
 #include "cpu/points/near_surface.h"
 #include "cpu/points/point_cells.h"
 #include "cpu/points/point_winding.h"
@@ -152,35 +154,66 @@ class WindingBeside {
       : surface_(surface), winding_(surface.windingSource()) {}
 
   void compute(const LocalThickness& local, std::span<const FacePoint> points) {
-    cells_.clear(), exact_.clear(), places_.clear();
-    for (const FacePoint& point : points) {
-      const glm::dvec3 step = local.beside() * local.normal(point.triangle);
-      places_.push_back(cells_.size());
-      if (step == glm::dvec3(0.0)) continue;  // It has no sides.
-      for (const glm::dvec3& p : {point.position + step, point.position - step}) {
-        cells_.push_back(toCells(surface_.grid, p));
-        exact_.push_back(p - surface_.mesh.origin);
-      }
+    const auto beside = float(local.beside() / surface_.grid.spacing);
+    clear();
+    numbers_.assign(points.size(), {NAN, NAN});
+    for (size_t i = 0; i < points.size(); ++i) {
+      const glm::dvec3 step = local.beside() * local.normal(points[i].triangle);
+      if (step != glm::dvec3(0.0)) add(points[i].position + step, &numbers_[i][0]);  // Others have no sides.
     }
-    places_.push_back(cells_.size());
-    distances_.resize(cells_.size(), float(local.beside() / surface_.grid.spacing));
-    numbers_.resize(cells_.size());
-    winding_.compute({cells_, exact_, distances_}, numbers_);
+    ask(beside);
+    const std::vector<double*> fronts = wanted_;
+    clear();
+    for (double* front : fronts) {
+      const FacePoint& point = points[size_t(front - &numbers_[0][0]) / 2];
+      const glm::dvec3 step = local.beside() * local.normal(point.triangle);
+      front[1] = *front + changeBetween(point.position + step, point.position - step);
+      const double gap = std::abs(std::abs(front[1]) - surface_.threshold);
+      if (!(gap > kRimsAway)) add(point.position - step, front + 1);
+    }
+    ask(beside);
   }
 
   /// Returns whether the face of a point has a normal. Others have no numbers.
-  bool hasSides(size_t i) const { return places_[i] < places_[i + 1]; }
-  double front(size_t i) const { return numbers_[places_[i]]; }
-  double back(size_t i) const { return numbers_[places_[i] + 1]; }
+  bool hasSides(size_t i) const { return !std::isnan(numbers_[i][0]); }
+  double front(size_t i) const { return numbers_[i][0]; }
+  double back(size_t i) const { return numbers_[i][1]; }
 
  private:
+  /// On the short way through a face, rims change a number by less than this unless they are as near.
+  static constexpr double kRimsAway = 0.1;
+
+  void clear() { cells_.clear(), exact_.clear(), wanted_.clear(); }
+
+  /// Asks for the number of a point.
+  void add(const glm::dvec3& point, double* number) {
+    cells_.push_back(toCells(surface_.grid, point));
+    exact_.push_back(point - surface_.mesh.origin);
+    wanted_.push_back(number);
+  }
+
+  void ask(float distance) {
+    distances_.assign(cells_.size(), distance);
+    asked_.resize(cells_.size());
+    winding_.compute({cells_, exact_, distances_}, asked_);
+    for (size_t i = 0; i < asked_.size(); ++i) *wanted_[i] = asked_[i];
+  }
+
+  /// Returns by how much the faces between two points change the number, or NaN if rounding could tell.
+  double changeBetween(const glm::dvec3& from, const glm::dvec3& to) {
+    const int32_t change = crossingsBetween(surface_, from, to, faces_);
+    return change == kUnsure ? NAN : double(change);
+  }
+
   const PreparedSurface& surface_;
   PointWinding winding_;
+  std::vector<std::array<double, 2>> numbers_;
+  std::vector<double*> wanted_;  // Where the numbers of the asked points go.
   std::vector<glm::vec3> cells_;
   std::vector<glm::dvec3> exact_;
   std::vector<float> distances_;
-  std::vector<double> numbers_;
-  std::vector<size_t> places_;  // Of each point, that of its numbers, and at last their number.
+  std::vector<double> asked_;
+  std::vector<uint32_t> faces_;
 };
 
 }  // namespace

@@ -306,7 +306,7 @@ WindingRims::WindingRims(std::span<const RimLine> rims) : count_(rims.size()) {
       paths_.vertices[axis][i] = float(scale_ * double(path.vertices[std::min(i, count - 1)][axis]));
     paths_.isStart[i] = i < count && path.isStart[i] ? 1.0f : 0.0f;
   }
-  if (count_ > kMostSlopes) makeGroups();
+  if (count_ > kMostSlopes) makeGroups(0, paths_.isStart.size() - 1);
 }
 
 RimShare WindingRims::at(const glm::dvec3& point, const glm::dvec3& direction, double allowed) const {
@@ -318,21 +318,28 @@ RimShare WindingRims::at(const glm::dvec3& point, const glm::dvec3& direction, d
   return HWY_DYNAMIC_DISPATCH(sumDoubles)(paths_, scale_ * point, direction);
 }
 
-void WindingRims::makeGroups() {
+/// Appends the group of some vertices, and before the next one the groups of its halves.
+void WindingRims::makeGroups(size_t begin, size_t end) {
   constexpr size_t kMostOfGroup = 16;
-  for (size_t begin = 0; begin + 1 < paths_.isStart.size(); begin += kMostOfGroup) {
-    Group group{begin, std::min(begin + kMostOfGroup, paths_.isStart.size() - 1), {}, 0.0f, 0.0f};
-    glm::vec3 low(INFINITY), high(-INFINITY);
-    for (size_t i = begin; i <= group.end; ++i) {
-      low = glm::min(low, paths_.vertex(i));
-      high = glm::max(high, paths_.vertex(i));
-      if (i < group.end && paths_.isStart[i] != 0.0f)
-        group.length += glm::distance(paths_.vertex(i), paths_.vertex(i + 1));
-    }
-    group.centre = 0.5f * (low + high);
-    group.radius = 0.5f * glm::distance(low, high);
-    if (group.length > 0.0f) groups_.push_back(group);
+  Group group{begin, end, 0, {}, 0.0f, 0.0f};
+  glm::vec3 low(INFINITY), high(-INFINITY);
+  for (size_t i = begin; i <= end; ++i) {
+    low = glm::min(low, paths_.vertex(i));
+    high = glm::max(high, paths_.vertex(i));
+    if (i < end && paths_.isStart[i] != 0.0f)
+      group.length += glm::distance(paths_.vertex(i), paths_.vertex(i + 1));
   }
+  group.centre = 0.5f * (low + high);
+  group.radius = 0.5f * glm::distance(low, high);
+  if (group.length == 0.0f) return;
+  const size_t place = groups_.size();
+  groups_.push_back(group);
+  if (end - begin > kMostOfGroup) {
+    const size_t middle = begin + (end - begin) / 2;
+    makeGroups(begin, middle);
+    makeGroups(middle, end);
+  }
+  groups_[place].next = groups_.size();
 }
 
 RimChange WindingRims::changeIn(const glm::dvec3& centre, double radius) const {
@@ -355,26 +362,37 @@ RimChange WindingRims::changeIn(const glm::dvec3& centre, double radius) const {
 double WindingRims::mostGradient(const glm::vec3& c, float reach) const {
   constexpr float kRounding = 1.0f + 1e-4f;
   constexpr float kFar = 3.0f;  // Farther than so many times its radius, a group is taken as a whole.
+  // A number that may change by a half in the ball tells nothing.
+  const float most = std::numbers::pi_v<float> / reach;
   float sum = 0.0f;
-  for (const Group& group : groups_) {
+  for (size_t g = 0; g < groups_.size() && sum < most;) {
+    const Group& group = groups_[g];
     const float near = glm::distance(group.centre, c) - group.radius * kRounding - reach;
-    if (near > kFar * group.radius) {
+    const bool isFar = near > kFar * group.radius, isLeaf = group.next == g + 1;
+    if (isFar)
       sum += group.length / (near * near);
-      continue;
-    }
-    for (size_t i = group.begin; i < group.end; ++i) {
-      if (paths_.isStart[i] == 0.0f) continue;
-      const glm::vec3 a = paths_.vertex(i), along = paths_.vertex(i + 1) - a;
-      const float length = glm::length(along);
-      const float place =
-          length > 0.0f ? glm::clamp(glm::dot(c - a, along) / (length * length), 0.0f, 1.0f) : 0.0f;
-      const float distance = glm::distance(a + place * along, c) - reach;
-      if (distance <= 0.0f) return std::numeric_limits<double>::infinity();
-      // The second is the integral along an infinite line.
-      sum += std::min(length / (distance * distance), std::numbers::pi_v<float> / distance);
-    }
+    else if (isLeaf)
+      sum += gradientOf(group, c, reach);
+    g = isFar ? group.next : g + 1;
   }
-  return double(sum);
+  return sum < most ? double(sum) : std::numeric_limits<double>::infinity();
+}
+
+/// Returns the share of a group's rims one by one, infinite if one of them may meet the ball.
+float WindingRims::gradientOf(const Group& group, const glm::vec3& c, float reach) const {
+  float sum = 0.0f;
+  for (size_t i = group.begin; i < group.end; ++i) {
+    if (paths_.isStart[i] == 0.0f) continue;
+    const glm::vec3 a = paths_.vertex(i), along = paths_.vertex(i + 1) - a;
+    const float length = glm::length(along);
+    const float place =
+        length > 0.0f ? glm::clamp(glm::dot(c - a, along) / (length * length), 0.0f, 1.0f) : 0.0f;
+    const float distance = glm::distance(a + place * along, c) - reach;
+    if (distance <= 0.0f) return INFINITY;
+    // The second is the integral along an infinite line.
+    sum += std::min(length / (distance * distance), std::numbers::pi_v<float> / distance);
+  }
+  return sum;
 }
 
 }  // namespace raymap::cpu

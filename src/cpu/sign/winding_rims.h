@@ -56,14 +56,16 @@ class WindingRims {
 
  private:
   /// Vertices that follow each other, the ball that holds the rims from them on, and the length of these.
+  /// The groups of its halves follow each one, before the next.
   struct Group {
-    size_t begin, end;
+    size_t begin, end, next;
     glm::vec3 centre;
     float radius, length;
   };
 
-  void makeGroups();
+  void makeGroups(size_t begin, size_t end);
   double mostGradient(const glm::vec3& centre, float reach) const;
+  float gradientOf(const Group& group, const glm::vec3& centre, float reach) const;
 
   size_t count_ = 0;
   double scale_ = 1.0;  ///< Factor of all positions, so that no square leaves the range of floats.

@@ -10,6 +10,7 @@
 
 #include "base/parallel.h"
 #include "cpu/points/face_crossings.h"
+#include "cpu/points/lattice_query.h"
 #include "cpu/points/narrow_band.h"
 #include "cpu/points/point_cells.h"
 #include "cpu/points/point_query.h"
@@ -37,8 +38,7 @@ class MissingEdges {
   MissingEdges(const cpu::PreparedSurface& surface, const Field& band, Progress& progress)
       : surface_(surface),
         grid_(band.grid),
-        found_(findCubes(band, 0.0, progress)),
-        slack_(cpu::slackOf(surface.tree, surface.grid.dims)) {
+        found_(findCubes(band, 0.0, progress)) {
     markCrossed(band);
   }
 
@@ -92,12 +92,7 @@ class MissingEdges {
     glm::ivec3 last = change.first;
     ++last[change.axis];
     const glm::dvec3 from = grid_.position(glm::dvec3(change.first)), to = grid_.position(glm::dvec3(last));
-    const cpu::SurfaceTree& tree = surface_.signTree();
-    cpu::findTrianglesAlong(tree, cpu::toCells(surface_.grid, from), cpu::toCells(surface_.grid, to), slack_,
-                            faces);
-    for (uint32_t& face : faces) face = tree.triangleId(face);
-    const glm::dvec3& origin = surface_.mesh.origin;
-    return cpu::countFaceCrossings(surface_.mesh, surface_.turns, faces, from - origin, to - origin) != 0;
+    return cpu::crossingsBetween(surface_, from, to, faces) != 0;
   }
 
   bool hasCrossedChange(const glm::ivec3& cube) const {
@@ -128,7 +123,6 @@ class MissingEdges {
   const cpu::PreparedSurface& surface_;
   const Grid& grid_;
   ContourRows found_;
-  float slack_;
   std::vector<uint8_t> isCrossed_;  // Of each cube, bit a: its own edge along axis a.
 };
 
@@ -189,67 +183,117 @@ void closeHoles(const cpu::PreparedSurface& surface, const MissingEdges& missing
   makePatch(cells, asked, surface.threshold, source, progress, patch);
 }
 
-/// Makes a surface with a patch, for distances, of one without. Signs stay those of the mesh.
-class PatchedSurface {
- public:
-  PatchedSurface(cpu::PreparedSurface& surface, const HolePatch& patch, const Grid& part)
-      : surface_(surface), given_(surface.mesh) {
-    vertices_.assign(given_.vertices.begin(), given_.vertices.end());
-    triangles_.assign(given_.triangles.begin(), given_.triangles.end());
-    const auto first = uint32_t(vertices_.size());
-    for (const glm::vec3& p : patch.mesh.vertices)
-      vertices_.emplace_back(part.position(glm::dvec3(p)) - given_.origin);
-    for (const glm::uvec3& t : patch.triangles) triangles_.push_back(t + first);
-    surface_.mesh = {vertices_, triangles_, given_.origin};
-    givenTree_ = std::move(surface_.tree);
-    surface_.tree = cpu::prepareUnsigned(surface_.mesh, surface_.grid).tree;
-    if (!surface_.turnedTree) surface_.turnedTree = std::move(givenTree_), hasMoved_ = true;
+/// Appends what is left of a tile without the leaves that it has to make room for.
+void cutTile(const NarrowBand::Tile& tile, std::span<const glm::ivec3> leaves,
+             std::vector<NarrowBand::Tile>& rest) {
+  const auto first = std::ranges::lower_bound(leaves, tile.low, comesBefore);
+  if (first == leaves.end() || glm::any(glm::greaterThanEqual(*first - tile.low, glm::ivec3(tile.side)))) {
+    rest.push_back(tile);
+    return;
   }
-  PatchedSurface(const PatchedSurface&) = delete;
-  ~PatchedSurface() {
-    if (hasMoved_) givenTree_ = *std::move(surface_.turnedTree), surface_.turnedTree.reset();
-    surface_.tree = std::move(givenTree_);
-    surface_.mesh = given_;
-  }
+  const int half = tile.side / 2;
+  if (half < NarrowBand::kLeafSide) return;
+  for (int child = 0; child < 8; ++child) cutTile({tile.low + half * cpu::cornerOf(child), half}, leaves, rest);
+}
 
- private:
-  cpu::PreparedSurface& surface_;
-  PackedMesh given_;
-  cpu::SurfaceTree givenTree_;
-  bool hasMoved_ = false;
-  std::vector<glm::vec3> vertices_;
-  std::vector<glm::uvec3> triangles_;
-};
+/// Sets the samples of a leaf that lie beyond the grid.
+void setBeyond(const glm::ivec3& dims, const glm::ivec3& low, float value, float* values) {
+  constexpr int kSide = NarrowBand::kLeafSide;
+  if (glm::all(glm::lessThanEqual(low + kSide, dims))) return;
+  for (int s = 0; s < int(NarrowBand::kLeafSamples); ++s) {
+    const glm::ivec3 sample = low + glm::ivec3(s % kSide, s / kSide % kSide, s / kSide / kSide);
+    if (glm::any(glm::greaterThanEqual(sample, dims))) values[s] = value;
+  }
+}
+
+/// Inserts leaves of another narrow band on the same grid, with `fill(own, other's)` at their samples.
+template <class Fill>
+void insertLeaves(Field& solid, const Field& other, std::span<const size_t> added, Fill&& fill) {
+  constexpr size_t kLeafSamples = NarrowBand::kLeafSamples;
+  NarrowBand& band = *solid.narrow;
+  std::vector<glm::ivec3> lows;
+  for (const size_t leaf : added) lows.push_back(other.narrow->leaves[leaf]);
+  Buffer<glm::ivec3> leaves;
+  Buffer<float> distance;
+  leaves.resizeUninitialized(band.leaves.size() + added.size());
+  distance.resizeUninitialized(leaves.size() * kLeafSamples);
+  size_t own = 0, next = 0;
+  for (size_t leaf = 0; leaf < leaves.size(); ++leaf) {
+    const bool isOwn = next == added.size() ||
+                       (own < band.leaves.size() && comesBefore(band.leaves[own], lows[next]));
+    leaves[leaf] = isOwn ? band.leaves[own] : lows[next];
+    float* values = distance.data() + leaf * kLeafSamples;
+    if (isOwn) {
+      std::copy_n(solid.distance.data() + own++ * kLeafSamples, kLeafSamples, values);
+      continue;
+    }
+    const float* from = other.distance.data() + added[next] * kLeafSamples;
+    const float base = solid.distanceAt(lows[next++]);
+    std::transform(from, from + kLeafSamples, values, [&](float d) { return fill(base, d); });
+    setBeyond(solid.grid.dims, leaves[leaf], float(band.outside), values);
+  }
+  std::vector<NarrowBand::Tile> tiles;
+  for (const NarrowBand::Tile& tile : band.tiles) cutTile(tile, lows, tiles);
+  band.tiles = std::move(tiles);
+  band.leaves = std::move(leaves);
+  solid.distance = std::move(distance);
+}
+
+/// Replaces values of a narrow band by `fill(value, other's)`. `other` is a narrow band on the same grid
+/// without tiles. Its leaves are inserted where `isWanted(value)` for a band's value without a leaf.
+template <class IsWanted, class Fill>
+void merge(Field& solid, const Field& other, IsWanted&& isWanted, Fill&& fill) {
+  constexpr size_t kLeafSamples = NarrowBand::kLeafSamples;
+  std::vector<size_t> added;
+  for (size_t leaf = 0; leaf < other.narrow->leaves.size(); ++leaf) {
+    const glm::ivec3& low = other.narrow->leaves[leaf];
+    const float* values = other.distance.data() + leaf * kLeafSamples;
+    if (const std::optional<size_t> place = solid.narrow->find(low))
+      std::transform(values, values + kLeafSamples, solid.distance.data() + *place,
+                     solid.distance.data() + *place, [&](float d, float own) { return fill(own, d); });
+    else if (isWanted(solid.distanceAt(low)))
+      added.push_back(leaf);
+  }
+  if (!added.empty()) insertLeaves(solid, other, added, fill);
+}
+
+/// Makes the distances of a band lead to a patch, too. Signs stay.
+void addPatch(Field& band, const HolePatch& patch, const Grid& part, size_t most, Progress& progress) {
+  Mesh mesh;
+  mesh.origin = band.grid.origin;
+  for (const glm::vec3& p : patch.mesh.vertices)
+    mesh.vertices.emplace_back(part.position(glm::dvec3(p)) - mesh.origin);
+  mesh.triangles.assign(patch.triangles.begin(), patch.triangles.end());
+  const double width = std::max(band.narrow->outside, band.narrow->inside);
+  const Field other = makePlateBand(mesh, band.grid, 0.0, width, most, progress);
+  const auto always = [](float) { return true; };
+  merge(band, other, always,
+        [](float own, float d) { return d < std::abs(own) ? std::copysign(d, own) : own; });
+}
 
 }  // namespace
 
-ClosedBand makeClosedBand(cpu::PreparedSurface& surface, const Grid& grid, const BandOptions& options,
+ClosedBand makeClosedBand(const cpu::PreparedSurface& surface, const Grid& grid, const BandOptions& options,
                           bool closesHoles, size_t most, Progress& progress) {
-  constexpr double kBeside = 1.25;  // Samples beside the surface that tell which edges triangles cross.
-  if (!closesHoles || surface.lattice.isWhole())
-    return {makeNarrowBand(surface, grid, options, most, progress)};
-  ClosedBand closed;
+  ClosedBand closed{makeNarrowBand(surface, grid, options, most, progress)};
+  if (!closesHoles || surface.lattice.isWhole()) return closed;
   HolePatch patch;
   Grid part = grid;
-  {
-    const Field band = makeNarrowBand(surface, grid, {.outside = kBeside, .inside = kBeside}, most, progress);
-    progress.stage("close_holes", [&] {
-      const MissingEdges missing(surface, band, progress);
-      const std::vector<SignChange> edges = missing.find();
-      const std::optional<Region> region = regionAround(edges, grid.dims);
-      if (edges.empty() || !region) return;
-      requirePatch(edges.size(), cpu::SurfaceTree::bytesNeeded(2 * edges.size(), surface.tree.frames()),
-                   most - std::min(most, surface.bytes() + band.bytes()));
-      part.origin = grid.position(glm::dvec3(region->low));
-      part.dims = region->size;
-      closeHoles(surface, missing, part, region->low, edges, band, progress, patch);
-    });
-  }
-  if (patch.triangles.empty()) return {makeNarrowBand(surface, grid, options, most, progress)};
+  progress.stage("close_holes", [&] {
+    const MissingEdges missing(surface, closed.field, progress);
+    const std::vector<SignChange> edges = missing.find();
+    const std::optional<Region> region = regionAround(edges, grid.dims);
+    if (edges.empty() || !region) return;
+    requirePatch(edges.size(), cpu::SurfaceTree::bytesNeeded(2 * edges.size(), surface.tree.frames()),
+                 most - std::min(most, surface.bytes() + closed.field.bytes()));
+    part.origin = grid.position(glm::dvec3(region->low));
+    part.dims = region->size;
+    closeHoles(surface, missing, part, region->low, edges, closed.field, progress, patch);
+  });
+  if (patch.triangles.empty()) return closed;
   closed.patchTriangles = patch.triangles.size();
   closed.patchArea = patch.area() * grid.spacing * grid.spacing;
-  const PatchedSurface patched(surface, patch, part);
-  closed.field = makeNarrowBand(surface, grid, options, most, progress);
+  addPatch(closed.field, patch, part, most, progress);
   return closed;
 }
 
@@ -264,38 +308,9 @@ Field makePlateBand(const PackedMesh& mesh, const Grid& grid, double radius, dou
 }
 
 void unite(Field& solid, const Field& other) {
-  constexpr size_t kLeafSamples = NarrowBand::kLeafSamples;
-  NarrowBand& band = *solid.narrow;
-  const auto width = static_cast<float>(band.outside), far = static_cast<float>(other.narrow->outside);
-  std::vector<size_t> added;
-  for (size_t leaf = 0; leaf < other.narrow->leaves.size(); ++leaf) {
-    const glm::ivec3& low = other.narrow->leaves[leaf];
-    const float* values = other.distance.data() + leaf * kLeafSamples;
-    if (const std::optional<size_t> place = band.find(low))
-      for (size_t s = 0; s < kLeafSamples; ++s) {
-        if (values[s] < far) solid.distance[*place + s] = std::min(solid.distance[*place + s], values[s]);
-      }
-    else if (solid.distanceAt(low) > 0.0f)
-      added.push_back(leaf);
-  }
-  if (added.empty()) return;
-  Buffer<glm::ivec3> leaves;
-  Buffer<float> distance;
-  leaves.resizeUninitialized(band.leaves.size() + added.size());
-  distance.resizeUninitialized(leaves.size() * kLeafSamples);
-  size_t own = 0, next = 0;
-  for (size_t leaf = 0; leaf < leaves.size(); ++leaf) {
-    const bool isOwn =
-        next == added.size() ||
-        (own < band.leaves.size() && comesBefore(band.leaves[own], other.narrow->leaves[added[next]]));
-    const size_t from = isOwn ? own++ : added[next++];
-    leaves[leaf] = (isOwn ? band : *other.narrow).leaves[from];
-    const float* values = (isOwn ? solid : other).distance.data() + from * kLeafSamples;
-    std::transform(values, values + kLeafSamples, distance.data() + leaf * kLeafSamples,
-                   [&](float d) { return isOwn || d < far ? d : width; });
-  }
-  band.leaves = std::move(leaves);
-  solid.distance = std::move(distance);
+  const auto far = static_cast<float>(other.narrow->outside);
+  const auto isOutside = [](float own) { return own > 0.0f; };
+  merge(solid, other, isOutside, [&](float own, float d) { return d < far ? std::min(own, d) : own; });
 }
 
 }  // namespace raymap

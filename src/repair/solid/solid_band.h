@@ -19,8 +19,8 @@ struct ClosedBand {
 
 /// Returns a narrow band of a signed surface. If `closesHoles`, its distances lead to the surface that closes
 /// holes, too, as those of `FieldOptions::closeHoles`; but where holes reach over more than 2^32 samples,
-/// they close in steps. Leaves `surface` as it was. It and the band take at most `most` bytes.
-ClosedBand makeClosedBand(cpu::PreparedSurface& surface, const Grid& grid, const BandOptions& options,
+/// they close in steps. The surface and the band take at most `most` bytes.
+ClosedBand makeClosedBand(const cpu::PreparedSurface& surface, const Grid& grid, const BandOptions& options,
                           bool closesHoles, size_t most, Progress& progress);
 
 /// Returns the distances of a narrow band to all points less than `radius` from a mesh, `width` beyond them.
