@@ -55,6 +55,8 @@ class LocalThickness {
   }
 
   double beside() const { return beside_; }
+  /// Returns the length of the first part of a ray.
+  double firstReach() const { return std::min(kFirstReach * surface_.grid.spacing, reach()); }
 
   /// Returns the unit normal of a face, or 0 if the face is so narrow that rounding turns it or that a step
   /// to its side passes its neighbours.
@@ -65,15 +67,16 @@ class LocalThickness {
     return length > 2.0 * beside_ * longestSide(a, b, c) ? n / length : glm::dvec3(0.0);
   }
 
-  /// Measures a point between two winding numbers, in front of its face and behind it.
-  Thickness measure(const FacePoint& point, double front, double back) {
+  /// Measures a point between two winding numbers, in front of its face and behind it. `near` are the faces
+  /// along the first parts of both rays.
+  Thickness measure(const FacePoint& point, double front, double back, std::span<const uint32_t> near) {
     const glm::dvec3 n = normal(point.triangle);
     const bool isFrontInside = isInside(front), isBackInside = isInside(back);
     if (isFrontInside && isBackInside) return {Part::Buried, INFINITY, glm::vec3(0.0f)};
     if (!isFrontInside && !isBackInside) return {Part::Sheet, 0.0f, glm::vec3(0.0f)};
     const glm::dvec3 inward = isFrontInside ? n : -n;
     const glm::dvec3 p = point.position - surface_.mesh.origin;
-    const RayHit* exit = findExit(p, inward, isFrontInside ? front : back);
+    const RayHit* exit = findExit(p, inward, isFrontInside ? front : back, near);
     Thickness result{Part::Solid, INFINITY, glm::vec3(inward)};
     if (!exit) return result;
     const double cosine = glm::dot(exit->normal, inward);
@@ -96,22 +99,27 @@ class LocalThickness {
     return !isNearSurface(surface_.tree, cellsOf(centre), static_cast<float>(radius / surface_.grid.spacing));
   }
 
+  /// Returns how far a ray is searched. A ball of diameter `reach_` touches planes that lie this far along
+  /// it.
+  double reach() const { return reach_ * 0.5 * (1.0 + 1.0 / kLeastCosine) + beside_; }
+
   /// Returns where a ray that begins inside leaves the solid, or null. Most rays are short.
-  const RayHit* findExit(const glm::dvec3& p, const glm::dvec3& direction, double winding) {
-    // A ball of diameter `reach_` touches planes that lie this much farther along the ray.
-    const double reach = reach_ * 0.5 * (1.0 + 1.0 / kLeastCosine) + beside_;
-    for (double length = kFirstReach * surface_.grid.spacing;; length *= kLonger) {
-      const RayHit* exit = findExitWithin(p, direction, winding, std::min(length, reach));
-      if (exit || length >= reach) return exit;
+  const RayHit* findExit(const glm::dvec3& p, const glm::dvec3& direction, double winding,
+                         std::span<const uint32_t> near) {
+    const RayHit* exit = exitAmong(near, p, direction, winding, firstReach());
+    for (double length = firstReach(); !exit && length < reach();) {
+      length = std::min(length * kLonger, reach());
+      findTrianglesAlong(surface_.signTree(), cellsOf(p), cellsOf(p + (length + beside_) * direction), slack_,
+                         faces_);
+      for (uint32_t& t : faces_) t = surface_.signTree().triangleId(t);
+      exit = exitAmong(faces_, p, direction, winding, length);
     }
+    return exit;
   }
 
-  const RayHit* findExitWithin(const glm::dvec3& p, const glm::dvec3& direction, double winding,
-                               double length) {
-    findTrianglesAlong(surface_.signTree(), cellsOf(p), cellsOf(p + (length + beside_) * direction), slack_,
-                       faces_);
-    for (uint32_t& t : faces_) t = surface_.signTree().triangleId(t);
-    findRayHits(surface_.mesh, surface_.turns, faces_, p, direction, hits_);
+  const RayHit* exitAmong(std::span<const uint32_t> faces, const glm::dvec3& p, const glm::dvec3& direction,
+                          double winding, double length) {
+    findRayHits(surface_.mesh, surface_.turns, faces, p, direction, hits_);
     for (size_t begin = 0; begin < hits_.size() && hits_[begin].distance <= length;) {
       if (hits_[begin].distance <= beside_) {
         ++begin;
@@ -147,73 +155,100 @@ class LocalThickness {
   std::vector<RayHit> hits_;
 };
 
-/// Winding numbers beside points, in front of the faces and behind them: well enough to tell sides.
+/// Winding numbers beside points, in front of the faces and behind them, well enough to tell sides, and the
+/// faces near by.
 class WindingBeside {
  public:
   explicit WindingBeside(const PreparedSurface& surface)
       : surface_(surface), winding_(surface.windingSource()) {}
 
   void compute(const LocalThickness& local, std::span<const FacePoint> points) {
-    const auto beside = float(local.beside() / surface_.grid.spacing);
-    clear();
+    points_ = points;
+    beside_ = local.beside();
+    normals_.clear();
     numbers_.assign(points.size(), {NAN, NAN});
-    for (size_t i = 0; i < points.size(); ++i) {
-      const glm::dvec3 step = local.beside() * local.normal(points[i].triangle);
-      if (step != glm::dvec3(0.0)) add(points[i].position + step, &numbers_[i][0]);  // Others have no sides.
-    }
-    ask(beside);
-    const std::vector<double*> fronts = wanted_;
+    for (const FacePoint& point : points) normals_.push_back(local.normal(point.triangle));
     clear();
-    for (double* front : fronts) {
-      const FacePoint& point = points[size_t(front - &numbers_[0][0]) / 2];
-      const glm::dvec3 step = local.beside() * local.normal(point.triangle);
-      front[1] = *front + changeBetween(point.position + step, point.position - step);
-      const double gap = std::abs(std::abs(front[1]) - surface_.threshold);
-      if (!(gap > kRimsAway)) add(point.position - step, front + 1);
+    for (size_t i = 0; i < points.size(); ++i)
+      if (hasSides(i)) add(i, 0);
+    ask();
+    findNear(local.firstReach() + beside_);
+    clear();
+    for (size_t i = 0; i < points.size(); ++i) {
+      if (!hasSides(i)) continue;
+      numbers_[i][1] = numbers_[i][0] + changeThrough(i);
+      const double gap = std::abs(std::abs(numbers_[i][1]) - surface_.threshold);
+      if (!(gap > kRimsAway)) add(i, 1);
     }
-    ask(beside);
+    ask();
   }
 
   /// Returns whether the face of a point has a normal. Others have no numbers.
-  bool hasSides(size_t i) const { return !std::isnan(numbers_[i][0]); }
+  bool hasSides(size_t i) const { return normals_[i] != glm::dvec3(0.0); }
   double front(size_t i) const { return numbers_[i][0]; }
   double back(size_t i) const { return numbers_[i][1]; }
+  std::span<const uint32_t> near(size_t i) const { return near_[i]; }
 
  private:
   /// On the short way through a face, rims change a number by less than this unless they are as near.
   static constexpr double kRimsAway = 0.1;
 
-  void clear() { cells_.clear(), exact_.clear(), wanted_.clear(); }
-
-  /// Asks for the number of a point.
-  void add(const glm::dvec3& point, double* number) {
-    cells_.push_back(toCells(surface_.grid, point));
-    exact_.push_back(point - surface_.mesh.origin);
-    wanted_.push_back(number);
+  /// Returns the position beside a point: in front of its face, or with `side` 1 behind it.
+  glm::dvec3 placeOf(size_t i, int side) const {
+    return points_[i].position + (side == 0 ? beside_ : -beside_) * normals_[i];
   }
 
-  void ask(float distance) {
-    distances_.assign(cells_.size(), distance);
+  void clear() { cells_.clear(), exact_.clear(), wanted_.clear(); }
+
+  /// Asks for the number of a point on one side.
+  void add(size_t i, int side) {
+    const glm::dvec3 place = placeOf(i, side);
+    cells_.push_back(toCells(surface_.grid, place));
+    exact_.push_back(place - surface_.mesh.origin);
+    wanted_.push_back(&numbers_[i][size_t(side)]);
+  }
+
+  void ask() {
+    distances_.assign(cells_.size(), float(beside_ / surface_.grid.spacing));
     asked_.resize(cells_.size());
     winding_.compute({cells_, exact_, distances_}, asked_);
     for (size_t i = 0; i < asked_.size(); ++i) *wanted_[i] = asked_[i];
   }
 
-  /// Returns by how much the faces between two points change the number, or NaN if rounding could tell.
-  double changeBetween(const glm::dvec3& from, const glm::dvec3& to) {
-    const int32_t change = crossingsBetween(surface_, from, to, faces_);
+  /// Finds the faces up to a distance before and behind each face.
+  void findNear(double length) {
+    from_.clear(), to_.clear();
+    for (size_t i = 0; i < points_.size(); ++i) {
+      from_.push_back(toCells(surface_.grid, points_[i].position + length * normals_[i]));
+      to_.push_back(toCells(surface_.grid, points_[i].position - length * normals_[i]));
+    }
+    const SurfaceTree& tree = surface_.signTree();
+    findTrianglesAlong(tree, from_, to_, slackOf(tree, surface_.grid.dims), near_);
+    for (uint32_t& face : near_.triangles) face = tree.triangleId(face);
+  }
+
+  /// Returns by how much the faces at a point change the number, or NaN if rounding could tell.
+  double changeThrough(size_t i) const {
+    const glm::dvec3& origin = surface_.mesh.origin;
+    const int32_t change = countFaceCrossings(surface_.mesh, surface_.turns, near_[i], placeOf(i, 0) - origin,
+                                              placeOf(i, 1) - origin);
     return change == kUnsure ? NAN : double(change);
   }
 
   const PreparedSurface& surface_;
   PointWinding winding_;
+  std::span<const FacePoint> points_;
+  double beside_ = 0.0;
+  std::vector<glm::dvec3> normals_;  // Of the points' faces, 0 where these have no sides.
   std::vector<std::array<double, 2>> numbers_;
-  std::vector<double*> wanted_;  // Where the numbers of the asked points go.
+  TrianglesAlong near_;
+  std::vector<glm::vec3> from_, to_;
+  // Positions that are asked for, and where their numbers go.
   std::vector<glm::vec3> cells_;
   std::vector<glm::dvec3> exact_;
   std::vector<float> distances_;
   std::vector<double> asked_;
-  std::vector<uint32_t> faces_;
+  std::vector<double*> wanted_;
 };
 
 }  // namespace
@@ -231,8 +266,9 @@ void measureThickness(const PreparedSurface& surface, std::span<const FacePoint>
           points.subspan(first, std::min(kPointsPerTask, points.size() - first));
       winding.compute(local, some);
       for (size_t i = 0; i < some.size(); ++i)
-        thickness[first + i] = winding.hasSides(i) ? local.measure(some[i], winding.front(i), winding.back(i))
-                                                   : Thickness{Part::Corner, INFINITY};
+        thickness[first + i] =
+            winding.hasSides(i) ? local.measure(some[i], winding.front(i), winding.back(i), winding.near(i))
+                                : Thickness{Part::Corner, INFINITY};
       meter.add(some.size());
     }
   });

@@ -125,6 +125,16 @@ HWY_INLINE uint32_t lanesOf(const SurfaceTree& tree, uint32_t leaf) {
   return left >= kPacket ? 0xffu : (1u << left) - 1;
 }
 
+/// Bounds of points.
+struct Extent {
+  glm::vec3 low = glm::vec3(INFINITY), high = glm::vec3(-INFINITY);
+
+  void add(const glm::vec3& p) { low = glm::min(low, p), high = glm::max(high, p); }
+  float radius() const { return 0.5f * glm::length(high - low); }
+  /// Returns a ball that holds them, widened by `slack`.
+  Capsule ball(float slack) const { return {0.5f * (low + high), glm::vec3(0.0f), radius() + slack}; }
+};
+
 /// Leaves of a tree, with their discs packed together.
 struct Leaves {
   std::vector<uint32_t> leaves;
@@ -157,12 +167,12 @@ struct Leaves {
 
 void countAll(const SurfaceTree& tree, const glm::vec3& from, std::span<const glm::vec3> to, float slack,
               std::span<int32_t> change) {
-  glm::vec3 low = from, high = from;
-  for (const glm::vec3& p : to) low = glm::min(low, p), high = glm::max(high, p);
-  const glm::vec3 half = 0.5f * (high - low);
+  Extent extent;
+  extent.add(from);
+  for (const glm::vec3& p : to) extent.add(p);
   thread_local std::vector<uint32_t> stack;
   thread_local Leaves leaves;
-  leaves.collect(tree, {low + half, glm::vec3(0.0f), glm::length(half) + slack}, stack);
+  leaves.collect(tree, extent.ball(slack), stack);
   for (size_t i = 0; i < to.size(); ++i) {
     bool isSure = true;
     change[i] = 0;
@@ -176,16 +186,56 @@ void countAll(const SurfaceTree& tree, const glm::vec3& from, std::span<const gl
   }
 }
 
+/// Appends the triangles of a leaf that a segment may cross.
+void addPossible(const SurfaceTree& tree, uint32_t leaf, const glm::vec3& from, const glm::vec3& to,
+                 float slack, std::vector<uint32_t>& triangles) {
+  const uint32_t possible = crossingsOf(tree.triangles(leaf), from, to, slack).possible & lanesOf(tree, leaf);
+  forEachLane(possible,
+              [&](size_t lane) { triangles.push_back(leaf * kPacket + static_cast<uint32_t>(lane)); });
+}
+
 void findAlong(const SurfaceTree& tree, const glm::vec3& from, const glm::vec3& to, float slack,
                std::vector<uint32_t>& triangles) {
   triangles.clear();
   thread_local std::vector<uint32_t> stack;
-  forEachLeaf(tree, {from, to - from, slack}, stack, [&](uint32_t leaf) {
-    const uint32_t possible =
-        crossingsOf(tree.triangles(leaf), from, to, slack).possible & lanesOf(tree, leaf);
-    forEachLane(possible,
-                [&](size_t lane) { triangles.push_back(leaf * kPacket + static_cast<uint32_t>(lane)); });
-  });
+  forEachLeaf(tree, {from, to - from, slack}, stack,
+              [&](uint32_t leaf) { addPossible(tree, leaf, from, to, slack, triangles); });
+}
+
+/// Returns the end of the segments from `begin` on that share one search.
+size_t endOfGroup(std::span<const glm::vec3> from, std::span<const glm::vec3> to, size_t begin,
+                  Extent& extent) {
+  constexpr float kWide = 1.5f;  // Most radius of a group, in lengths of its first segment.
+  constexpr size_t kMost = 64;
+  const float most = kWide * glm::distance(from[begin], to[begin]);
+  size_t end = begin;
+  for (; end < std::min(from.size(), begin + kMost); ++end) {
+    Extent with = extent;
+    with.add(from[end]);
+    with.add(to[end]);
+    if (end > begin && with.radius() > most) break;
+    extent = with;
+  }
+  return end;
+}
+
+void findAlongEach(const SurfaceTree& tree, std::span<const glm::vec3> from, std::span<const glm::vec3> to,
+                   float slack, TrianglesAlong& found) {
+  found.triangles.clear();
+  found.begins.assign(1, 0);
+  thread_local std::vector<uint32_t> stack;
+  thread_local Leaves leaves;
+  for (size_t begin = 0, end = 0; begin < from.size(); begin = end) {
+    Extent extent;
+    end = endOfGroup(from, to, begin, extent);
+    leaves.collect(tree, extent.ball(slack), stack);
+    for (size_t i = begin; i < end; ++i) {
+      leaves.forEachAt({from[i], to[i] - from[i], slack}, [&](uint32_t leaf) {
+        addPossible(tree, leaf, from[i], to[i], slack, found.triangles);
+      });
+      found.begins.push_back(found.triangles.size());
+    }
+  }
 }
 
 }  // namespace
@@ -197,6 +247,7 @@ namespace raymap::cpu {
 
 HWY_EXPORT(countAll);
 HWY_EXPORT(findAlong);
+HWY_EXPORT(findAlongEach);
 
 float slackOf(const SurfaceTree& tree, const glm::ivec3& dims) {
   constexpr float kRounding = 2e-6f;
@@ -214,6 +265,11 @@ void countCrossings(const SurfaceTree& tree, const glm::vec3& from, std::span<co
 void findTrianglesAlong(const SurfaceTree& tree, const glm::vec3& from, const glm::vec3& to, float slack,
                         std::vector<uint32_t>& triangles) {
   HWY_DYNAMIC_DISPATCH(findAlong)(tree, from, to, slack, triangles);
+}
+
+void findTrianglesAlong(const SurfaceTree& tree, std::span<const glm::vec3> from,
+                        std::span<const glm::vec3> to, float slack, TrianglesAlong& found) {
+  HWY_DYNAMIC_DISPATCH(findAlongEach)(tree, from, to, slack, found);
 }
 
 }  // namespace raymap::cpu

@@ -23,4 +23,19 @@ void countCrossings(const SurfaceTree& tree, const glm::vec3& from, std::span<co
 void findTrianglesAlong(const SurfaceTree& tree, const glm::vec3& from, const glm::vec3& to, float slack,
                         std::vector<uint32_t>& triangles);
 
+/// Triangles of a tree along each of several segments.
+struct TrianglesAlong {
+  std::vector<uint32_t> triangles;
+  std::vector<size_t> begins;  ///< First of each segment, and at last the number of triangles.
+
+  std::span<const uint32_t> operator[](size_t segment) const {
+    return std::span(triangles).subspan(begins[segment], begins[segment + 1] - begins[segment]);
+  }
+};
+
+/// Finds the triangles along segments that follow each other, near the one before. This is faster than to
+/// search for each.
+void findTrianglesAlong(const SurfaceTree& tree, std::span<const glm::vec3> from,
+                        std::span<const glm::vec3> to, float slack, TrianglesAlong& found);
+
 }  // namespace raymap::cpu

@@ -36,9 +36,7 @@ struct SignChange {
 class MissingEdges {
  public:
   MissingEdges(const cpu::PreparedSurface& surface, const Field& band, Progress& progress)
-      : surface_(surface),
-        grid_(band.grid),
-        found_(findCubes(band, 0.0, progress)) {
+      : surface_(surface), grid_(band.grid), found_(findCubes(band, 0.0, progress)) {
     markCrossed(band);
   }
 
@@ -193,7 +191,8 @@ void cutTile(const NarrowBand::Tile& tile, std::span<const glm::ivec3> leaves,
   }
   const int half = tile.side / 2;
   if (half < NarrowBand::kLeafSide) return;
-  for (int child = 0; child < 8; ++child) cutTile({tile.low + half * cpu::cornerOf(child), half}, leaves, rest);
+  for (int child = 0; child < 8; ++child)
+    cutTile({tile.low + half * cpu::cornerOf(child), half}, leaves, rest);
 }
 
 /// Sets the samples of a leaf that lie beyond the grid.
@@ -219,8 +218,8 @@ void insertLeaves(Field& solid, const Field& other, std::span<const size_t> adde
   distance.resizeUninitialized(leaves.size() * kLeafSamples);
   size_t own = 0, next = 0;
   for (size_t leaf = 0; leaf < leaves.size(); ++leaf) {
-    const bool isOwn = next == added.size() ||
-                       (own < band.leaves.size() && comesBefore(band.leaves[own], lows[next]));
+    const bool isOwn =
+        next == added.size() || (own < band.leaves.size() && comesBefore(band.leaves[own], lows[next]));
     leaves[leaf] = isOwn ? band.leaves[own] : lows[next];
     float* values = distance.data() + leaf * kLeafSamples;
     if (isOwn) {
