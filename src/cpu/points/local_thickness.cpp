@@ -10,6 +10,7 @@
 #include <array>
 #include <cmath>
 #include <glm/gtc/constants.hpp>
+#include <utility>
 
 #include "base/parallel.h"
 #include "cpu/points/face_crossings.h"
@@ -55,6 +56,11 @@ class LocalThickness {
   }
 
   double beside() const { return beside_; }
+  /// Returns the direction from a face into the solid between two winding numbers, 0 if it has none.
+  glm::dvec3 inwards(const glm::dvec3& normal, double front, double back) const {
+    if (isInside(front) == isInside(back)) return glm::dvec3(0.0);
+    return isInside(front) ? normal : -normal;
+  }
   /// Returns the length of the first part of a ray.
   double firstReach() const { return std::min(kFirstReach * surface_.grid.spacing, reach()); }
 
@@ -68,15 +74,14 @@ class LocalThickness {
   }
 
   /// Measures a point between two winding numbers, in front of its face and behind it. `near` are the faces
-  /// along the first parts of both rays.
+  /// along the first part of its ray.
   Thickness measure(const FacePoint& point, double front, double back, std::span<const uint32_t> near) {
-    const glm::dvec3 n = normal(point.triangle);
-    const bool isFrontInside = isInside(front), isBackInside = isInside(back);
-    if (isFrontInside && isBackInside) return {Part::Buried, INFINITY, glm::vec3(0.0f)};
-    if (!isFrontInside && !isBackInside) return {Part::Sheet, 0.0f, glm::vec3(0.0f)};
-    const glm::dvec3 inward = isFrontInside ? n : -n;
+    const glm::dvec3 inward = inwards(normal(point.triangle), front, back);
+    if (inward == glm::dvec3(0.0))
+      return isInside(front) ? Thickness{Part::Buried, INFINITY, glm::vec3(0.0f)}
+                             : Thickness{Part::Sheet, 0.0f, glm::vec3(0.0f)};
     const glm::dvec3 p = point.position - surface_.mesh.origin;
-    const RayHit* exit = findExit(p, inward, isFrontInside ? front : back, near);
+    const RayHit* exit = findExit(p, inward, isInside(front) ? front : back, near);
     Thickness result{Part::Solid, INFINITY, glm::vec3(inward)};
     if (!exit) return result;
     const double cosine = glm::dot(exit->normal, inward);
@@ -172,7 +177,7 @@ class WindingBeside {
     for (size_t i = 0; i < points.size(); ++i)
       if (hasSides(i)) add(i, 0);
     ask();
-    findNear(local.firstReach() + beside_);
+    findAlong([&](size_t i) { return std::pair(placeOf(i, 0), placeOf(i, 1)); });
     clear();
     for (size_t i = 0; i < points.size(); ++i) {
       if (!hasSides(i)) continue;
@@ -181,13 +186,22 @@ class WindingBeside {
       if (!(gap > kRimsAway)) add(i, 1);
     }
     ask();
+    const double length = local.firstReach() + beside_;
+    findAlong([&](size_t i) {
+      const glm::dvec3& p = points_[i].position;
+      return std::pair(p, p + length * local.inwards(normals_[i], front(i), back(i)));
+    });
   }
 
   /// Returns whether the face of a point has a normal. Others have no numbers.
   bool hasSides(size_t i) const { return normals_[i] != glm::dvec3(0.0); }
   double front(size_t i) const { return numbers_[i][0]; }
   double back(size_t i) const { return numbers_[i][1]; }
-  std::span<const uint32_t> near(size_t i) const { return near_[i]; }
+  /// Returns the faces along the first part of a point's ray, if there is one.
+  std::span<const uint32_t> near(size_t i) const {
+    const size_t end = i + 1 < places_.size() ? places_[i + 1] : from_.size();
+    return places_[i] < end ? near_[places_[i]] : std::span<const uint32_t>();
+  }
 
  private:
   /// On the short way through a face, rims change a number by less than this unless they are as near.
@@ -215,12 +229,17 @@ class WindingBeside {
     for (size_t i = 0; i < asked_.size(); ++i) *wanted_[i] = asked_[i];
   }
 
-  /// Finds the faces up to a distance before and behind each face.
-  void findNear(double length) {
+  /// Finds the faces along `segmentOf(i)` for each point, unless it has no length.
+  template <class SegmentOf>
+  void findAlong(SegmentOf&& segmentOf) {
     from_.clear(), to_.clear();
+    places_.assign(points_.size(), 0);
     for (size_t i = 0; i < points_.size(); ++i) {
-      from_.push_back(toCells(surface_.grid, points_[i].position + length * normals_[i]));
-      to_.push_back(toCells(surface_.grid, points_[i].position - length * normals_[i]));
+      const std::pair<glm::dvec3, glm::dvec3> segment = segmentOf(i);
+      places_[i] = from_.size();
+      if (segment.first == segment.second) continue;
+      from_.push_back(toCells(surface_.grid, segment.first));
+      to_.push_back(toCells(surface_.grid, segment.second));
     }
     const SurfaceTree& tree = surface_.signTree();
     findTrianglesAlong(tree, from_, to_, slackOf(tree, surface_.grid.dims), near_);
@@ -230,8 +249,8 @@ class WindingBeside {
   /// Returns by how much the faces at a point change the number, or NaN if rounding could tell.
   double changeThrough(size_t i) const {
     const glm::dvec3& origin = surface_.mesh.origin;
-    const int32_t change = countFaceCrossings(surface_.mesh, surface_.turns, near_[i], placeOf(i, 0) - origin,
-                                              placeOf(i, 1) - origin);
+    const int32_t change = countFaceCrossings(surface_.mesh, surface_.turns, near_[places_[i]],
+                                              placeOf(i, 0) - origin, placeOf(i, 1) - origin);
     return change == kUnsure ? NAN : double(change);
   }
 
@@ -241,8 +260,9 @@ class WindingBeside {
   double beside_ = 0.0;
   std::vector<glm::dvec3> normals_;  // Of the points' faces, 0 where these have no sides.
   std::vector<std::array<double, 2>> numbers_;
-  TrianglesAlong near_;
-  std::vector<glm::vec3> from_, to_;
+  std::vector<glm::vec3> from_, to_;  // Segments that are searched,
+  std::vector<size_t> places_;        // the place of each point's among them,
+  TrianglesAlong near_;               // and the faces along them.
   // Positions that are asked for, and where their numbers go.
   std::vector<glm::vec3> cells_;
   std::vector<glm::dvec3> exact_;
