@@ -36,6 +36,7 @@ UnitedParts uniteParts(const Model& given, InsideOut insideOut, bool closesHoles
   if (insideOut == InsideOut::Turned) united.inverted = findInvertedParts(united.mesh);
   turnFaces(united.mesh, united.inverted.faces);
   double volume = 0.0;
+  size_t pairs = SIZE_MAX;  // Of crossing faces, after the round before.
   for (int round = 0; round < kMostRounds; ++round) {
     const Model mesh(united.mesh);
     std::optional<UnitedFaces> cut = uniteFaces(mesh, insideOut != InsideOut::Subtracted);
@@ -53,7 +54,10 @@ UnitedParts uniteParts(const Model& given, InsideOut insideOut, bool closesHoles
     united.mesh = cleanFaces(Model(cut->mesh), true).mesh;
     united.cutFaces += partEdges(united.mesh);
     if (!isAllRight(Model(united.mesh))) {
-      raiseLowFaces(united.mesh, findSelfIntersections(united.mesh).faces);
+      const SelfIntersections crossing = findSelfIntersections(united.mesh);
+      if (crossing.pairs > pairs) break;  // It would never end.
+      pairs = crossing.pairs;
+      raiseLowFaces(united.mesh, crossing.faces);
       if (!isAllRight(Model(united.mesh))) continue;
     }
     const double made = diagnose(united.mesh, {.brief = true}).signedVolume;
