@@ -60,6 +60,33 @@ TEST(SolidBand, ClosesHolesAsADenseFieldDoes) {
   EXPECT_LT(apart, grid.sampleCount() / 2000);
 }
 
+TEST(SolidBand, ClosesAHoleInTheMiddleOfTiles) {
+  // The lower part of a box that is much deeper than the band. The hole closes over its middle.
+  Mesh mesh = shapes::box(glm::dvec3(-1.0, -1.0, -0.5), glm::dvec3(1.0, 1.0, 0.5));
+  std::erase_if(mesh.triangles, [&](const glm::uvec3& t) {
+    return mesh.vertices[t.x].z > 0.0f && mesh.vertices[t.y].z > 0.0f && mesh.vertices[t.z].z > 0.0f;
+  });
+  const Model model(mesh);
+  const Grid grid = fitGrid(mesh, {.resolution = 90});
+  cpu::PreparedSurface surface = prepare(model);
+  const Field open = closedBand(surface, grid, false).field;
+  const ClosedBand closed = closedBand(surface, grid);
+  const Field dense = generate(mesh, grid, {.band = kWidth, .closeHoles = true}, {.device = "cpu"}).field;
+  validate(closed.field);
+  EXPECT_GT(closed.field.narrow->leaves.size(), open.narrow->leaves.size());
+  size_t apart = 0, near = 0;
+  forEachSample(grid, [&](const glm::ivec3& s) {
+    const float expected = dense.distance[grid.index(s)], found = closed.field.distanceAt(s);
+    if (std::abs(expected) < std::abs(open.distanceAt(s)) - float(grid.spacing)) ++near;
+    if (std::abs(expected - found) > 0.01 * grid.spacing) ++apart;
+    if (std::abs(expected) > 0.1 * grid.spacing) {
+      EXPECT_EQ(expected < 0.0f, found < 0.0f) << s.x << " " << s.y << " " << s.z;
+    }
+  });
+  EXPECT_GT(near, 10000u);
+  EXPECT_LT(apart, grid.sampleCount() / 2000);
+}
+
 TEST(SolidBand, LeavesTheSurfaceAsItWas) {
   const Mesh mesh = withHoles(shapes::torus(1.0, 0.35, 40, 20), 3, 0.2, 7);
   const Model model(mesh);

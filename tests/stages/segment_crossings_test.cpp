@@ -104,5 +104,28 @@ TEST(SegmentCrossings, FindAllTrianglesAlong) {
   }
 }
 
+TEST(SegmentCrossings, FindTheSameTrianglesAlongManySegments) {
+  const Scene scene(shapes::torus(1.0, 0.3, 60, 30));
+  std::vector<glm::vec3> from, to;
+  for (const glm::vec3& p : randomPoints(scene.grid, 20, 5))
+    for (int i = 0; i < 90; ++i) {  // More than share a search, and some far from the one before.
+      from.push_back(p + glm::vec3(0.05f * float(i), 0.03f * float(i % 7), 0.0f));
+      to.push_back(from.back() + glm::vec3(0.5f, -1.0f, 1.5f));
+    }
+  TrianglesAlong found;
+  findTrianglesAlong(scene.tree, from, to, kSlack, found);
+  ASSERT_EQ(found.begins.size(), from.size() + 1);
+  size_t all = 0;
+  for (size_t i = 0; i < from.size(); ++i) {
+    std::vector<uint32_t> expected, each(found[i].begin(), found[i].end());
+    findTrianglesAlong(scene.tree, from[i], to[i], kSlack, expected);
+    std::ranges::sort(expected);
+    std::ranges::sort(each);
+    ASSERT_EQ(each, expected) << i;
+    all += each.size();
+  }
+  EXPECT_GT(all, 100u);
+}
+
 }  // namespace
 }  // namespace raymap::cpu

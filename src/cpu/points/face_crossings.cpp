@@ -1,6 +1,7 @@
 #include "cpu/points/face_crossings.h"
 
 #include "cpu/points/point_cells.h"
+#include "cpu/points/prepared_surface.h"
 #include "cpu/points/segment_crossings.h"
 #include "mesh/triangle.h"
 #include "predicates/segment_triangle.h"

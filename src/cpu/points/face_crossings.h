@@ -4,11 +4,12 @@
 #include <span>
 #include <vector>
 
-#include "cpu/points/prepared_surface.h"
 #include "mesh/packed_mesh.h"
 #include "method/turns.h"
 
 namespace raymap::cpu {
+
+struct PreparedSurface;
 
 /// Does what `countCrossings` does for one segment, among some faces of a mesh and in double precision.
 /// Points are in the mesh's units, relative to its origin. Empty turns take all faces as given. The result is
