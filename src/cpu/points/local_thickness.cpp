@@ -183,7 +183,7 @@ class WindingBeside {
       if (!hasSides(i)) continue;
       numbers_[i][1] = numbers_[i][0] + changeThrough(i);
       const double gap = std::abs(std::abs(numbers_[i][1]) - surface_.threshold);
-      if (!(gap > kRimsAway)) add(i, 1);
+      if (!(gap > kDoubt) || isNearEdge(i)) add(i, 1);
     }
     ask();
     const double length = local.firstReach() + beside_;
@@ -204,8 +204,7 @@ class WindingBeside {
   }
 
  private:
-  /// On the short way through a face, rims change a number by less than this unless they are as near.
-  static constexpr double kRimsAway = 0.1;
+  static constexpr double kDoubt = 0.2;  ///< By how much a number may be wrong whose side alone is asked for.
 
   /// Returns the position beside a point: in front of its face, or with `side` 1 behind it.
   glm::dvec3 placeOf(size_t i, int side) const {
@@ -252,6 +251,19 @@ class WindingBeside {
     const int32_t change = countFaceCrossings(surface_.mesh, surface_.turns, near_[places_[i]],
                                               placeOf(i, 0) - origin, placeOf(i, 1) - origin);
     return change == kUnsure ? NAN : double(change);
+  }
+
+  /// Returns whether an edge of the face is so near that it would change the number if it is a rim.
+  bool isNearEdge(size_t i) const {
+    if (surface_.lattice.isWhole()) return false;
+    constexpr double kNear = 10.0;  // A straight rim changes it by 1 / 10 pi at such a distance.
+    const auto corners = surface_.mesh.corners(surface_.mesh.triangles[points_[i].triangle]);
+    const glm::dvec3 p = points_[i].position - surface_.mesh.origin;
+    for (size_t k = 0; k < 3; ++k) {
+      const glm::dvec3 along = corners[(k + 1) % 3] - corners[k];
+      if (glm::length(glm::cross(along, p - corners[k])) < kNear * beside_ * glm::length(along)) return true;
+    }
+    return false;
   }
 
   const PreparedSurface& surface_;
