@@ -5,7 +5,7 @@
 - Relative links lead to files and headings that exist.
 - Files of code named in `backticks` exist.
 - docs/dev/decisions/layers.md names every layer of src/layers.txt.
-- docs/dependencies.md names every file, or a folder of it, that includes a header of a library, and no other.
+- docs/dev/dependencies.md names every file, or a folder of it, that includes a header of a library, and no other.
 - docs/cli.md lists the exit codes that `raymap --help` lists, has a section on every command, and lists every
   command once.
 - llms.txt lists the pages of docs/README.md with their questions, and no others.
@@ -27,7 +27,7 @@ ROOT = chosen_root().resolve()
 COLUMNS = 100
 OPENING = re.compile(r"(?:^|(?<=[.:;!?] ))(?:Of(?! course)|What|Told|Whose|So that)\b[^.?!]*\??")
 CODE = r"(?:cpp|h|hpp|c|comp|glsl|py|sh|txt|toml|cmake)"
-# Headers by which files show that they use a library, as named in docs/dependencies.md.
+# Headers by which files show that they use a library, as named in docs/dev/dependencies.md.
 HEADERS = {
     "oneTBB": r"(oneapi/)?tbb/",
     "Highway": r"hwy/(?!detect)",
@@ -174,7 +174,7 @@ def check_layers():
 
 
 def check_libraries(tree):
-    text = (ROOT / "docs/dependencies.md").read_text()
+    text = (ROOT / "docs/dev/dependencies.md").read_text()
     sources = [path for path in tree.paths if re.match(r"(src|apps|include)/.*\.(cpp|h)$", path)]
     included = {path: [name for _, name, _ in includes((ROOT / path).read_text())] for path in sources}
     for library, header in HEADERS.items():
@@ -278,7 +278,7 @@ def main():
     faults += check_headers()
     faults += [fault for folder in ("docs", "docs/dev/decisions") for fault in check_index(folder)]
     faults += [f"docs/dev/decisions/layers.md: {fault}" for fault in check_layers()]
-    faults += [f"docs/dependencies.md: {fault}" for fault in check_libraries(tree)]
+    faults += [f"docs/dev/dependencies.md: {fault}" for fault in check_libraries(tree)]
     faults += [f"docs/cli.md: {fault}" for check in (check_exit_codes, check_commands) for fault in check()]
     faults += [f"llms.txt: {fault}" for fault in check_map()]
     faults += [f"AGENTS.md: {fault}" for fault in check_agents()]

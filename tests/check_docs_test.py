@@ -68,7 +68,7 @@ class CheckDocs(PlantedTree):
 
     def test_finds_libraries_in_places_that_do_not_use_them(self):
         place = "`src/render/write_png.cpp`"
-        self.edit("docs/dependencies.md", place, f"{place}, `src/render/slice_view.cpp`")
+        self.edit("docs/dev/dependencies.md", place, f"{place}, `src/render/slice_view.cpp`")
         self.assert_found("src/render/slice_view.cpp does not include libpng")
 
     def test_finds_commands_without_a_section(self):
