@@ -11,6 +11,8 @@
 - llms.txt lists the pages of docs/README.md with their questions, and no others.
 - Commands and paths in AGENTS.md exist.
 - CONTRIBUTING.md lists the folders of the tree, in the order of src/layers.txt, and every stage of .ci/run.
+- Pages for users have at most 5,000 lines: README.md, python/README.md and docs/ without docs/dev. Lines between a marker
+  "<!-- scripts/… writes what follows. -->" or "<!-- NAME -->" and its end are written by scripts, and do not count.
 - Lines of prose end before column 101.
 - No sentence of prose, and no comment of a public header, opens with "Of", "What", "Told", "Whose" or "So that", which
   put off the subject. Questions may.
@@ -25,6 +27,9 @@ from source_tree import chosen_root, commands, finish, includes
 
 ROOT = chosen_root().resolve()
 COLUMNS = 100
+USER_LINES = 5000
+WRITTEN = re.compile(r"<!-- (?:scripts/\S+ writes what follows\. -->.*?<!-- That is all of it\.|([\w ]+) -->.*?<!-- end of \1) -->",
+                     re.DOTALL)
 OPENING = re.compile(r"(?:^|(?<=[.:;!?] ))(?:Of(?! course)|What|Told|Whose|So that)\b[^.?!]*\??")
 CODE = r"(?:cpp|h|hpp|c|comp|glsl|py|sh|txt|toml|cmake)"
 # Headers by which files show that they use a library, as named in docs/dev/dependencies.md.
@@ -144,6 +149,14 @@ def check_headers():
             comment = re.search(r"(?://[/!]?<?|/\*|^ \*) (.*)", line)
             for fault in check_openings(number, comment[1]) if comment else ():
                 yield f"{header.relative_to(ROOT)}:{fault}"
+
+
+def check_length():
+    users = [page for page in (ROOT / "docs").rglob("*.md") if (ROOT / "docs/dev") not in page.parents]
+    texts = [page.read_text() for page in (ROOT / "README.md", ROOT / "python/README.md", *users)]
+    count = sum(len(WRITTEN.sub("", text).splitlines()) for text in texts)
+    if count > USER_LINES:
+        yield f"pages for users have {count} lines, more than {USER_LINES}; cut what is said twice, or move it to docs/dev"
 
 
 def check_page(page, tree):
@@ -275,7 +288,7 @@ def check_agents():
 def main():
     tree = Tree()
     faults = [f"{page.relative_to(ROOT)}:{fault}" for page in pages() for fault in check_page(page, tree)]
-    faults += check_headers()
+    faults += [*check_length(), *check_headers()]
     faults += [fault for folder in ("docs", "docs/dev/decisions") for fault in check_index(folder)]
     faults += [f"docs/dev/decisions/layers.md: {fault}" for fault in check_layers()]
     faults += [f"docs/dev/dependencies.md: {fault}" for fault in check_libraries(tree)]

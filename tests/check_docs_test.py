@@ -107,6 +107,14 @@ class CheckDocs(PlantedTree):
                           f'docs/points.md:{lines + 5}: "Of a mesh, it reads faces" puts off the subject',
                           '"Of a mesh, all" puts off the subject', '"What it is" puts off the subject')
 
+    def test_finds_more_lines_for_users_than_agreed(self):
+        self.append("docs/dev/walks.md", "\n" * 5000)
+        self.append("docs/options.md", "<!-- scripts/some.py writes what follows. -->" + "\n" * 5000 + "<!-- That is all of it. -->")
+        self.append("docs/wild.md", "<!-- a table -->" + "\n" * 5000 + "<!-- end of a table -->")
+        self.assert_accepted(" 0 faults")
+        self.append("docs/points.md", "\n" * 5000)
+        self.assert_found("lines, more than 5000")
+
     def test_finds_exit_codes_that_are_listed_once_only(self):
         self.edit("docs/cli.md", "| 9 | ", "| 12 | ")
         self.assert_found("exit code 9 is only in the program's help", "exit code 12 is only in this table")
