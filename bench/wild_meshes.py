@@ -182,10 +182,6 @@ class Broken:
         self.triangles[chosen] = self.triangles[chosen][:, ::-1]
 
 
-def turned_faces(b):
-    b.turn(b.some(0.05, 0.3) | b.patch(0, 0.3))
-
-
 def doubled(b):
     chosen = b.some(0.1, 0.6)
     b.add(b.triangles[chosen][:, ::-1], b.face[chosen])
@@ -233,19 +229,16 @@ def sheets(b):
         b.add(np.array([[a, a + u, a + u + v], [a, a + u + v, a + v]]))
 
 
-def missing(b):
-    b.remove(b.patch(0.08, 0.25))
-
-
 def everything(b):
     b.strength = 0.3
-    for way in b.random.permutation([turned_faces, doubled, repeated, holes, cracks, noise, soup, sheets]):
+    for way in b.random.permutation([WAYS[name] for name in ("turned", "doubled", "repeated", "holes", "cracks", "noise", "soup", "sheets")]):
         way(b)
 
 
 # "nested" turns the faces of the cavity that broken() cuts out before.
-WAYS = {"turned": turned_faces, "doubled": doubled, "repeated": repeated, "holes": holes, "cracks": cracks, "noise": noise, "soup": soup,
-        "nested": lambda b: None, "sheets": sheets, "missing": missing, "all at once": everything}  # fmt: skip
+WAYS = {"turned": lambda b: b.turn(b.some(0.05, 0.3) | b.patch(0, 0.3)), "doubled": doubled, "repeated": repeated, "holes": holes,
+        "cracks": cracks, "noise": noise, "soup": soup, "nested": lambda b: None, "sheets": sheets,
+        "missing": lambda b: b.remove(b.patch(0.08, 0.25)), "all at once": everything}  # fmt: skip
 
 
 def welded(triangles):

@@ -317,29 +317,11 @@ def write(page, found, options):
     page.write_text(text)
 
 
-def save_findings(folder, found):
-    """Writes the meshes at which Raymap has a fault, and a list of them, the worst first."""
-    import trimesh
-
-    folder.mkdir(parents=True, exist_ok=True)
-    lines = []
-    for kind, row in ((kind, row) for (kind, _, name), rows in found.items() if name == "raymap" for row in rows if "mesh" in row):
-        if texts := faults(kind, row, 0.2):
-            file = folder / f"{kind}_{row['mesh']}_{row['way']}_{row['seed']}.ply".replace(" ", "_")
-            vertices, faces, *_ = Case(row["mesh"], row["way"], row["seed"]).broken()
-            trimesh.Trimesh(vertices, faces, process=False).export(file)
-            lines.append((row.get("unsaid") or row.get("near") or 9, f"- {file.name}: {'; '.join(texts)}"))
-    lines.sort(key=lambda line: -line[0])
-    (folder / "LIST.md").write_text("\n".join(line for _, line in lines) + "\n")
-    print(f"{len(lines)} findings in {folder}", file=sys.stderr)
-
-
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--write", type=pathlib.Path, metavar="PAGE", help="write the tables between the markers of this page")
     parser.add_argument("--quick", action="store_true", help="few cases, and Raymap alone")
     parser.add_argument("--check", action="store_true", help="with --quick: fail at a fault")
-    parser.add_argument("--findings", type=pathlib.Path, metavar="FOLDER", help="write the meshes at which Raymap has a fault")
     parser.add_argument("--out", type=pathlib.Path, default=ROOT / "out/wild", help="folder of results")
     parser.add_argument("--only", nargs="+", metavar="PEER", help="only these packages")
     parser.add_argument("--kinds", nargs="+", default=["fields", "repairs"], choices=["fields", "repairs"])
@@ -352,8 +334,6 @@ def main():
         options.seeds, options.repairs, options.resolution, options.out, options.meshes = [1], 14, 24, None, QUICK
         return 1 if quick(options) and options.check else 0
     found = run_all(options, options.kinds, options.only)
-    if options.findings:
-        save_findings(options.findings, found)
     if options.write:
         write(options.write, found, options)
     return 0
