@@ -52,7 +52,7 @@ def shell(tmp_path_factory: pytest.TempPathFactory) -> dict[str, str]:
 
 def run_lesson(lesson: Path, shell: dict[str, str], folder: Path) -> str:
     """Runs a lesson in an empty folder. Returns its faults."""
-    command = [sys.executable, Path(ROOT, "scripts/tutorials.py"), "--here", lesson]
+    command = [sys.executable, str(Path(ROOT, "scripts/tutorials.py")), "--here", str(lesson)]
     folder.mkdir()
     done = subprocess.run(command, cwd=folder, env=shell, text=True, check=False, stderr=subprocess.PIPE)
     return done.stderr if done.returncode else ""
