@@ -1,11 +1,12 @@
 """Closed meshes, and the ways in which scripts/wild.py breaks them. All of it depends on seeds alone."""
 
+import contextlib
 import dataclasses
+import pathlib
 
 import numpy as np
 from broken import torus
-
-# The closed meshes.
+from harness import exact_distance, uniform_points
 
 
 def knot(rings=160, sides=12):
@@ -19,26 +20,17 @@ def knot(rings=160, sides=12):
     return (line(t)[:, None] + 0.4 * (np.cos(angle) * normal + np.sin(angle) * across)).reshape(-1, 3), torus(rings, sides)[1][:, ::-1]
 
 
-def blocks(is_filled, size):
-    """Returns the boundary of the filled cells of a grid: two triangles for each side of a cell that faces an empty one."""
-    is_filled, corners = np.pad(is_filled, 1), []
-    for axis in range(3):
-        for way in (0, 1):
-            cells = np.argwhere(is_filled & ~np.roll(is_filled, 1 - 2 * way, axis))
-            step = np.eye(3, dtype=int)[[(axis + 1) % 3, (axis + 2) % 3]]
-            a = cells + way * np.eye(3, dtype=int)[axis]
-            quad = np.stack([a, a + step[0], a + step[0] + step[1], a + step[1]], axis=1)
-            corners.append(quad if way else quad[:, ::-1])
-    quads = np.concatenate(corners)
-    return welded(quads[:, [[0, 1, 2], [0, 2, 3]]].reshape(-1, 3, 3) * np.asarray(size, float))
-
-
 def comb(count=6):
-    """Returns a base with fins whose thickness is a fortieth of the length."""
-    is_filled = np.zeros((2 * count + 1, 6, 8), bool)
-    is_filled[:, :, 0] = True
-    is_filled[::2] = True
-    vertices, faces = blocks(is_filled, (1, 1, 1))
+    """Returns the boundary of a base with fins whose thickness is a fortieth of the length: two triangles for each side of a
+    cell of a grid that faces an empty one."""
+    is_filled, quads = np.zeros((2 * count + 3, 8, 10), bool), []
+    is_filled[1:-1, 1:-1, 1] = is_filled[1:-1:2, 1:-1, 1:-1] = True
+    for axis in range(3):
+        u, v = np.eye(3, dtype=int)[[(axis + 1) % 3, (axis + 2) % 3]]
+        for way in (0, 1):
+            a = np.argwhere(is_filled & ~np.roll(is_filled, 1 - 2 * way, axis)) + way * np.eye(3, dtype=int)[axis]
+            quads.append(np.stack([a, a + u, a + u + v, a + v], axis=1)[:, :: 2 * way - 1])
+    vertices, faces = welded(np.concatenate(quads)[:, [[0, 1, 2], [0, 2, 3]]].reshape(-1, 3, 3).astype(float))
     gaps = np.where(np.arange(2 * count + 1) % 2, 1.0, 0.3)  # A fin, then the gap to the next.
     vertices[:, 0] = np.concatenate([[0, 0], np.cumsum(gaps)])[vertices[:, 0].astype(int)]
     return vertices, faces
@@ -66,8 +58,7 @@ def drop(x, y, z):
 
 
 def spikes(ball):
-    height = np.cos(5 * ball.vertices).prod(axis=1)
-    return ball.vertices * (1 + 0.6 * np.maximum(height, 0) ** 2)[:, None], ball.faces
+    return ball.vertices * (1 + 0.6 * np.maximum(np.cos(5 * ball.vertices).prod(axis=1), 0) ** 2)[:, None], ball.faces
 
 
 def joined(*meshes):
@@ -83,33 +74,23 @@ def at(mesh, *place):
     return np.asarray(mesh.vertices) + (place or 0), np.asarray(mesh.faces)
 
 
-def drilled_plate():
-    from manifold3d import Manifold
+def plate_and_gear(teeth=16):
+    """Returns a plate with holes of several widths, and a twisted gear."""
+    import manifold3d
 
-    part = Manifold.cube((3, 2, 0.4)) + Manifold.cube((0.4, 2, 1.5)) + Manifold.cylinder(1, 0.6, circular_segments=48).translate((2.1, 1, 0))
+    solid, section = manifold3d.Manifold, manifold3d.CrossSection
+    plate = solid.cube((3, 2, 0.4)) + solid.cube((0.4, 2, 1.5)) + solid.cylinder(1, 0.6, circular_segments=48).translate((2.1, 1, 0))
     for x, y, radius in ((2.1, 1, 0.35), (0.8, 0.4, 0.15), (0.8, 1.6, 0.15), (2.8, 0.15, 0.08), (2.8, 1.85, 0.08)):
-        part -= Manifold.cylinder(3, radius, circular_segments=32).translate((x, y, -1))
-    return part.refine_to_length(0.25)
-
-
-def gear(teeth=16):
-    from manifold3d import CrossSection, Manifold
-
-    angle = 2 * np.pi * np.arange(4 * teeth) / (4 * teeth)
-    radius = np.tile([1, 1, 0.8, 0.8], teeth)
-    outline = CrossSection([np.stack([radius * np.cos(angle), radius * np.sin(angle)], axis=1)])
-    return Manifold.extrude(outline - CrossSection.circle(0.3, 32), 0.4, 4, 20)
-
-
-def of_manifold(part):
-    mesh = part.to_mesh64()
-    return mesh.vert_properties[:, :3], mesh.tri_verts.astype(np.int64)
+        plate -= solid.cylinder(3, radius, circular_segments=32).translate((x, y, -1))
+    angle, radius = 2 * np.pi * np.arange(4 * teeth) / (4 * teeth), np.tile([1, 1, 0.8, 0.8], teeth)
+    outline = section([np.stack([radius * np.cos(angle), radius * np.sin(angle)], axis=1)])
+    gear = solid.extrude(outline - section.circle(0.3, 32), 0.4, 4, 20)
+    made = (part.to_mesh64() for part in (plate.refine_to_length(0.25), gear))
+    return [(mesh.vert_properties[:, :3], mesh.tri_verts) for mesh in made]
 
 
 def bunny(samples=30):
     """Returns the surface of a scan that pymeshfix ships, once its holes are closed by a coarse field."""
-    import pathlib
-
     import pymeshfix
     import raymap
 
@@ -129,7 +110,7 @@ def makers():
         "parts": lambda: joined(at(creation.box((1, 1, 1)).subdivide().subdivide(), 1, 2, 0), at(creation.capsule(1, 0.4, (16, 16))),
                                 at(creation.cone(0.6, 1.4, 40), 2, 0, 0), at(ball(2, 0.5), -1, 1.5, 0.5)),
         "gyroid": lambda: isosurface(gyroid, 23, 1.7), "drop": lambda: isosurface(drop, 22, 2.2), "spikes": lambda: spikes(ball(4)),
-        "gear": lambda: of_manifold(gear()), "drilled plate": lambda: of_manifold(drilled_plate()), "bunny": bunny}  # fmt: skip
+        "gear": lambda: plate_and_gear()[1], "drilled plate": lambda: plate_and_gear()[0], "bunny": bunny}  # fmt: skip
 
 
 def rounded(vertices):
@@ -141,20 +122,16 @@ def closed_meshes(only=None):
     """Returns the meshes by name, or only some. Leaves out those whose package is missing."""
     found = {}
     for name, make in makers().items():
-        if only and name not in only:
-            continue
-        try:
-            vertices, faces = make()
-        except ImportError:
-            continue
-        found[name] = rounded(vertices), np.asarray(faces, np.int64)
+        with contextlib.suppress(ImportError):
+            if not only or name in only:
+                vertices, faces = make()
+                found[name] = rounded(vertices), np.asarray(faces, np.int64)
     return found
 
 
 def with_cavity(mesh):
     """Returns a mesh with a ball cut out where it is thickest, and which faces are those of the ball."""
     import igl
-    from harness import exact_distance, uniform_points
     from trimesh.creation import icosphere
 
     points = uniform_points(mesh[0], 3000, np.random.default_rng(0))
@@ -162,9 +139,6 @@ def with_cavity(mesh):
     hollow = turned(at(icosphere(2, 0.6 * depth.max()), *points[depth.argmax()]))
     vertices, faces = joined(mesh, hollow)
     return (rounded(vertices), faces), np.arange(len(faces)) >= len(mesh[1])
-
-
-# Ways to break them.
 
 
 @dataclasses.dataclass
@@ -206,10 +180,6 @@ class Broken:
     def turn(self, chosen):
         self.spoil(chosen)
         self.triangles[chosen] = self.triangles[chosen][:, ::-1]
-
-
-def turned_faces(b):
-    b.turn(b.some(0.05, 0.3) | b.patch(0, 0.3))
 
 
 def doubled(b):
@@ -259,19 +229,16 @@ def sheets(b):
         b.add(np.array([[a, a + u, a + u + v], [a, a + u + v, a + v]]))
 
 
-def missing(b):
-    b.remove(b.patch(0.08, 0.25))
-
-
 def everything(b):
     b.strength = 0.3
-    for way in b.random.permutation([turned_faces, doubled, repeated, holes, cracks, noise, soup, sheets]):
+    for way in b.random.permutation([WAYS[name] for name in ("turned", "doubled", "repeated", "holes", "cracks", "noise", "soup", "sheets")]):
         way(b)
 
 
 # "nested" turns the faces of the cavity that broken() cuts out before.
-WAYS = {"turned": turned_faces, "doubled": doubled, "repeated": repeated, "holes": holes, "cracks": cracks, "noise": noise, "soup": soup,
-        "nested": lambda b: None, "sheets": sheets, "missing": missing, "all at once": everything}  # fmt: skip
+WAYS = {"turned": lambda b: b.turn(b.some(0.05, 0.3) | b.patch(0, 0.3)), "doubled": doubled, "repeated": repeated, "holes": holes,
+        "cracks": cracks, "noise": noise, "soup": soup, "nested": lambda b: None, "sheets": sheets,
+        "missing": lambda b: b.remove(b.patch(0.08, 0.25)), "all at once": everything}  # fmt: skip
 
 
 def welded(triangles):

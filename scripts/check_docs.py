@@ -5,12 +5,14 @@
 - Relative links lead to files and headings that exist.
 - Files of code named in `backticks` exist.
 - docs/dev/decisions/layers.md names every layer of src/layers.txt.
-- docs/dependencies.md names every file, or a folder of it, that includes a header of a library, and no other.
+- docs/dev/dependencies.md names every file, or a folder of it, that includes a header of a library, and no other.
 - docs/cli.md lists the exit codes that `raymap --help` lists, has a section on every command, and lists every
   command once.
 - llms.txt lists the pages of docs/README.md with their questions, and no others.
 - Commands and paths in AGENTS.md exist.
 - CONTRIBUTING.md lists the folders of the tree, in the order of src/layers.txt, and every stage of .ci/run.
+- Pages for users have at most 5,000 lines: README.md, python/README.md and docs/ without docs/dev. Lines between a marker
+  "<!-- scripts/… writes what follows. -->" or "<!-- NAME -->" and its end are written by scripts, and do not count.
 - Lines of prose end before column 101.
 - No sentence of prose, and no comment of a public header, opens with "Of", "What", "Told", "Whose" or "So that", which
   put off the subject. Questions may.
@@ -25,9 +27,12 @@ from source_tree import chosen_root, commands, finish, includes
 
 ROOT = chosen_root().resolve()
 COLUMNS = 100
+USER_LINES = 5000
+WRITTEN = re.compile(r"<!-- (?:scripts/\S+ writes what follows\. -->.*?<!-- That is all of it\.|([\w ]+) -->.*?<!-- end of \1) -->",
+                     re.DOTALL)
 OPENING = re.compile(r"(?:^|(?<=[.:;!?] ))(?:Of(?! course)|What|Told|Whose|So that)\b[^.?!]*\??")
 CODE = r"(?:cpp|h|hpp|c|comp|glsl|py|sh|txt|toml|cmake)"
-# Headers by which files show that they use a library, as named in docs/dependencies.md.
+# Headers by which files show that they use a library, as named in docs/dev/dependencies.md.
 HEADERS = {
     "oneTBB": r"(oneapi/)?tbb/",
     "Highway": r"hwy/(?!detect)",
@@ -146,6 +151,14 @@ def check_headers():
                 yield f"{header.relative_to(ROOT)}:{fault}"
 
 
+def check_length():
+    users = [page for page in (ROOT / "docs").rglob("*.md") if (ROOT / "docs/dev") not in page.parents]
+    texts = [page.read_text() for page in (ROOT / "README.md", ROOT / "python/README.md", *users)]
+    count = sum(len(WRITTEN.sub("", text).splitlines()) for text in texts)
+    if count > USER_LINES:
+        yield f"pages for users have {count} lines, more than {USER_LINES}; cut what is said twice, or move it to docs/dev"
+
+
 def check_page(page, tree):
     for number, line in prose(page.read_text()):
         yield from check_links(page, number, line)
@@ -174,7 +187,7 @@ def check_layers():
 
 
 def check_libraries(tree):
-    text = (ROOT / "docs/dependencies.md").read_text()
+    text = (ROOT / "docs/dev/dependencies.md").read_text()
     sources = [path for path in tree.paths if re.match(r"(src|apps|include)/.*\.(cpp|h)$", path)]
     included = {path: [name for _, name, _ in includes((ROOT / path).read_text())] for path in sources}
     for library, header in HEADERS.items():
@@ -275,10 +288,10 @@ def check_agents():
 def main():
     tree = Tree()
     faults = [f"{page.relative_to(ROOT)}:{fault}" for page in pages() for fault in check_page(page, tree)]
-    faults += check_headers()
+    faults += [*check_length(), *check_headers()]
     faults += [fault for folder in ("docs", "docs/dev/decisions") for fault in check_index(folder)]
     faults += [f"docs/dev/decisions/layers.md: {fault}" for fault in check_layers()]
-    faults += [f"docs/dependencies.md: {fault}" for fault in check_libraries(tree)]
+    faults += [f"docs/dev/dependencies.md: {fault}" for fault in check_libraries(tree)]
     faults += [f"docs/cli.md: {fault}" for check in (check_exit_codes, check_commands) for fault in check()]
     faults += [f"llms.txt: {fault}" for fault in check_map()]
     faults += [f"AGENTS.md: {fault}" for fault in check_agents()]

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Makes the pictures of docs/gallery.md, of meshes that belong to the project: globe.png and gallery_* in docs/images, and
-# the first one of README, duck.png. Everything on the way lies in out/gallery. Needs a build with a window, ImageMagick, Xvfb, xdotool and chromium.
+# README's clip, hero.webp. Everything on the way lies in out/gallery. Needs a build with a window, ImageMagick, Xvfb, xdotool and chromium.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 for tool in convert import Xvfb xdotool chromium; do
@@ -36,13 +36,7 @@ raymap info torn.ply --picture torn.png
 raymap render torn.nrrd -o torn_field.png "${stills[@]}"
 raymap render bowl.obj -o bowl.png "${stills[@]}" --direction -0.4,-0.8,-1 --thickness 0.06 --resolution 192
 raymap render walker.glb --frames 0:23 -o walk.%02d.png --size 150 180 --direction -0.8,-0.2,-0.6 --resolution 128
-panels=(--size 800 680)
-raymap info duck.obj --picture duck_defects.png "${panels[@]}"
-raymap generate duck.obj -o duck.vdb --resolution 256 --padding 0.4 --overwrite
-raymap render duck.vdb -o duck_field.png "${panels[@]}" --cut-plane 0,0,1,0 --slice-plane 0,0,1,0
-raymap repair duck.obj -o duck_solid.obj --overwrite
-raymap render duck_solid.obj -o duck_solid.png "${panels[@]}" --resolution 600 --max-size 600
-convert duck_{defects,field,solid}.png +append -resize 1200 -strip -colors 255 -define png:compression-level=9 "PNG8:$images/duck.png"
+"$(../../scripts/python_env.sh)" ../../scripts/hero_clip.py "$raymap" .
 raymap render globe.vdb -o globe.html --cut
 cp globe.png "$images/globe.png"
 for picture in half plane slice grown torn torn_field bowl; do keep $picture.png 400x300; done

@@ -9,16 +9,14 @@ import collections
 import concurrent.futures
 import importlib.metadata
 import json
+import multiprocessing
 import os
 import pathlib
-import pickle
 import re
 import resource
-import select
 import signal
 import statistics
 import sys
-import time
 
 import numpy as np
 
@@ -37,45 +35,39 @@ TOLERANCE = 0.002  # Of the diagonal: farther from the result, a point of the su
 # Largest shares of wrong signs near the surface in a case of --quick. With "nested" the file says that the cavity is solid,
 # and with "missing" it does not say where the surface was.
 WORST_SIGN, AMBIGUOUS = 0.05, {"nested": 0.15, "missing": 0.15}
-KNOWN = ()  # Breaks whose repair is known to lose area unsaid.
 QUICK = ("ball", "ring", "drop", "shells")  # Meshes of --quick, whose repairs are cheap.
 Grid = collections.namedtuple("Grid", "shape spacing origin")
-
-
-# Processes.
 
 
 def isolated(work, seconds=None):
     """Returns "ok" and what a function returns in a forked process, or "refused", "crash" or "hang" and a text.
 
     Limits the CPU time, and the time by the clock to ten times as much."""
-    ours, theirs = os.pipe()
-    child = os.fork()
-    if child == 0:
+
+    def answer():
         try:
             if seconds:
                 resource.setrlimit(resource.RLIMIT_CPU, (seconds, seconds + 5))
-            answer = "ok", work()
-        except BaseException as error:  # Also SystemExit: the fork must not go on as its parent.
-            answer = "refused", f"{type(error).__name__}: {error}"[:300]
-        with open(theirs, "wb") as file:
-            pickle.dump(answer, file)
+            theirs.send(("ok", work()))
+        except BaseException as error:  # Also SystemExit.
+            theirs.send(("refused", f"{type(error).__name__}: {error}"[:300]))
         os._exit(0)
-    os.close(theirs)
-    data, end = b"", time.monotonic() + 10 * (seconds or 1e5)
-    while select.select([ours], [], [], max(0, end - time.monotonic()))[0] and (part := os.read(ours, 1 << 20)):
-        data += part
-    is_late = time.monotonic() >= end
-    if is_late:
-        os.kill(child, signal.SIGKILL)
-    os.close(ours)
-    status = os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
-    if data and status == 0:
-        return pickle.loads(data)
-    return ("hang", f"over {seconds} s") if is_late or status == -signal.SIGXCPU else ("crash", f"signal {-status}")
 
-
-# Cases and the truth.
+    ours, theirs = multiprocessing.Pipe(False)
+    child = multiprocessing.get_context("fork").Process(target=answer)
+    child.start()
+    theirs.close()
+    try:
+        if ours.poll(10 * seconds if seconds else None):
+            return ours.recv()
+        child.kill()
+    except EOFError:
+        child.join()
+        if child.exitcode != -signal.SIGXCPU:
+            return "crash", f"signal {-child.exitcode}"
+    finally:
+        child.join()
+    return "hang", f"over {seconds} s"
 
 
 class Case:
@@ -84,13 +76,11 @@ class Case:
     closed, hollow = {}, {}
 
     def __init__(self, mesh, way, seed):
-        self.mesh, self.way, self.seed = mesh, way, seed
-        self.key = mesh, way == "nested"
+        self.mesh, self.way, self.seed, self.key = mesh, way, seed, (mesh, way == "nested")
 
     def truth(self):
         if self.key not in self.closed:
-            mesh = self.closed[self.mesh, False]
-            self.closed[self.key], self.hollow[self.mesh] = wild_meshes.with_cavity(mesh)
+            self.closed[self.key], self.hollow[self.mesh] = wild_meshes.with_cavity(self.closed[self.mesh, False])
         return self.closed[self.key]
 
     def broken(self):
@@ -134,8 +124,7 @@ def measure_field(case, run, resolution):
     values, cost = measured(lambda: run(vertices, faces, grid))
     is_known = np.isfinite(values)
     is_clear = is_known & (distance > max(2 * moved, 0.05 * grid.spacing))
-    wrong, near = (values < 0) != inside, is_clear & (distance < 2 * grid.spacing)
-    same = is_known & case.same
+    wrong, near, same = (values < 0) != inside, is_clear & (distance < 2 * grid.spacing), is_known & case.same
     errors = np.abs(np.abs(values[same]) - distance[same]) / grid.spacing
     return {"wrong": wrong[is_clear].mean(), "near": wrong[near].mean() if near.any() else None, "cpu": cost["cpu"],
             "megabytes": cost["megabytes"], **({"mean": errors.mean(), "max": errors.max()} if len(errors) else {})}  # fmt: skip
@@ -156,8 +145,7 @@ def is_watertight(faces):
 def face_keys(triangles):
     """Returns the single precision bits of each face, as bytes that begin with its least corner."""
     corners = (triangles + 0.0).astype(np.float32)
-    first = [min(range(3), key=lambda k: tuple(face[k])) for face in corners]
-    return [np.roll(face, -k, axis=0).tobytes() for face, k in zip(corners, first, strict=True)]
+    return [np.roll(face, -min(range(3), key=lambda k: tuple(face[k])), axis=0).tobytes() for face in corners]  # noqa: B023
 
 
 def judge_repair(case, vertices, faces, said):
@@ -170,28 +158,24 @@ def judge_repair(case, vertices, faces, said):
     points = spread(truth, 2000, np.random.default_rng(case.seed))
     is_given = exact_distance((given, given_faces), points) <= 1e-4 * diagonal + moved
     lost = np.mean(is_given & (exact_distance((vertices, faces), points) > TOLERANCE * diagonal + moved))
-    whole = face_keys(truth[0][truth[1]][sound])
-    kept = len(set(whole) & set(face_keys(vertices[faces]))) / len(whole) if whole else None
-    tight = is_watertight(faces)
-    change = abs(volume(vertices, faces) / volume(*truth) - 1) if tight else None
-    return {"empty": False, "watertight": tight, "lost": lost, "unsaid": None if said is None else max(0, lost - said), "kept": kept,
-            "volume": change}  # fmt: skip
+    whole, tight = face_keys(truth[0][truth[1]][sound]), is_watertight(faces)
+    return {"empty": False, "watertight": tight, "lost": lost, "unsaid": None if said is None else max(0, lost - said),
+            "kept": len(set(whole) & set(face_keys(vertices[faces]))) / len(whole) if whole else None,
+            "volume": abs(volume(vertices, faces) / volume(*truth) - 1) if tight else None}  # fmt: skip
 
 
-def measure_repair(case, run):
+def measure_repair(case, run, _):
     vertices, faces, *_ = case.broken()
     (*result, said), cost = measured(lambda: run(vertices, faces))
     programs = resource.getrusage(resource.RUSAGE_CHILDREN)
-    cost["cpu"] += programs.ru_utime + programs.ru_stime
-    return judge_repair(case, *result, said) | cost
+    return judge_repair(case, *result, said) | cost | {"cpu": cost["cpu"] + programs.ru_utime + programs.ru_stime}
 
 
 def measure_cases(kind, name, cases, resolution):
     """Imports a peer, and returns a row for each case."""
-    run, rows = wild_peers.peers(kind)[name](), []
+    run, measure, rows = wild_peers.peers(kind)[name](), measure_field if kind == "fields" else measure_repair, []
     for case in cases:
-        work = (lambda: measure_field(case, run, resolution)) if kind == "fields" else (lambda: measure_repair(case, run))  # noqa: B023
-        state, found = isolated(work, SECONDS)
+        state, found = isolated(lambda: measure(case, run, resolution), SECONDS)  # noqa: B023
         row = {"mesh": case.mesh, "way": case.way, "seed": case.seed, "state": state}
         rows.append(row | ({k: v if v is None else float(v) for k, v in found.items()} if state == "ok" else {"text": found}))
     return rows
@@ -211,12 +195,11 @@ def run_all(options, kinds=("fields", "repairs"), peers=None):
     """Runs what no file of results has yet. Returns the rows by kind, seed and peer."""
     jobs = []
     Case.closed = {(name, False): mesh for name, mesh in wild_meshes.closed_meshes(options.meshes).items()}
-    for kind in kinds:
-        for seed in options.seeds:
-            cases = all_cases(kind, seed, options.repairs)
-            for case in cases:
-                case.truth() if kind == "repairs" else prepare_field(case, options.resolution)
-            jobs += [(kind, seed, name, cases) for name in wild_peers.peers(kind) if name in (peers or [name])]
+    for kind, seed in ((kind, seed) for kind in kinds for seed in options.seeds):
+        cases = all_cases(kind, seed, options.repairs)
+        for case in cases:
+            case.truth() if kind == "repairs" else prepare_field(case, options.resolution)
+        jobs += [(kind, seed, name, cases) for name in wild_peers.peers(kind) if name in (peers or [name])]
 
     def work(job):
         kind, seed, name, cases = job
@@ -238,9 +221,6 @@ def run_all(options, kinds=("fields", "repairs"), peers=None):
         return {job[:3]: rows for job, rows in zip(jobs, pool.map(work, jobs), strict=True)}
 
 
-# Faults of Raymap.
-
-
 def faults(kind, row, worst_sign=1.0):
     """Returns what must not happen to Raymap in a case."""
     if row["state"] != "ok":
@@ -254,28 +234,31 @@ def faults(kind, row, worst_sign=1.0):
 
 def quick(options):
     """Measures Raymap on few cases. Returns the number of faults."""
-    found, problems, near = run_all(options, peers=("raymap",)), [], []
-    for kind, row in ((kind, row) for (kind, *_), rows in found.items() for row in rows):
-        near += [row["near"]] if row.get("near") is not None and row["way"] not in AMBIGUOUS else []
-        if kind == "fields" or row["way"] not in KNOWN:
-            limit = AMBIGUOUS.get(row["way"], WORST_SIGN)
-            problems += [f"{kind}: {row['mesh']}, {row['way']}, {row['seed']}: {text}" for text in faults(kind, row, limit)]
+    rows = [(kind, row) for (kind, *_), rows in run_all(options, peers=("raymap",)).items() for row in rows]
+    near = [row["near"] for _, row in rows if row.get("near") is not None and row["way"] not in AMBIGUOUS]
+    problems = [f"{kind}: {row['mesh']}, {row['way']}, {row['seed']}: {text}" for kind, row in rows
+                for text in faults(kind, row, AMBIGUOUS.get(row["way"], WORST_SIGN))]  # fmt: skip
     print(*problems, sep="\n")
-    print(f"{sum(map(len, found.values()))} cases, {len(problems)} faults; {100 * statistics.mean(near):.3f} % wrong signs near the surface")
+    print(f"{len(rows)} cases, {len(problems)} faults; {100 * statistics.mean(near):.3f} % wrong signs near the surface")
     return len(problems)
 
 
-# Tables.
+def fold(key, form, how=statistics.mean):
+    """Returns a function that gives the mean of what rows have under a key, or what `how` makes of it, as text."""
+
+    def cell(rows):
+        values = [row[key] for row in rows if row.get(key) is not None]
+        return form.format(how(values)).rstrip("%") if values else "–"
+
+    return cell
 
 
-def fold(rows, key, form, how=statistics.mean):
-    """Returns the mean of what some rows have under a key, or what another function makes of it, as text."""
-    values = [row[key] for row in rows if row.get(key) is not None]
-    return form.format(how(values)).rstrip("%") if values else "–"
+def share(test):
+    return lambda rows: f"{100 * sum(bool(test(row)) for row in rows) / len(rows):.1f}"
 
 
-def share(rows, test):
-    return f"{100 * sum(bool(test(row)) for row in rows) / len(rows):.1f}"
+def count(test):
+    return lambda rows: sum(bool(test(row)) for row in rows)
 
 
 def unsaid(row):
@@ -283,30 +266,18 @@ def unsaid(row):
     return row.get("lost") or 0 if row.get("unsaid") is None else row["unsaid"]
 
 
-FIELD_COLUMNS = {
-    "wrong signs, %": lambda rows: fold(rows, "wrong", "{:.3%}"),
-    "near, %": lambda rows: fold(rows, "near", "{:.2%}"),
-    "worst case, %": lambda rows: fold(rows, "near", "{:.1%}", max),
-    "error, voxels": lambda rows: fold(rows, "mean", "{:.1g}"),
-    "largest": lambda rows: fold(rows, "max", "{:.1g}", max),
-    "CPU s": lambda rows: fold(rows, "cpu", "{:.3f}"),
-    "MB, most": lambda rows: fold(rows, "megabytes", "{:.0f}", max),
-    "no result": lambda rows: sum(row["state"] != "ok" for row in rows),
-}
-REPAIR_COLUMNS = {
-    "cases": len,
-    "watertight, %": lambda rows: share(rows, lambda row: row.get("watertight")),
-    "refused, %": lambda rows: share(rows, lambda row: row["state"] == "refused"),
-    "crash, hang": lambda rows: sum(row["state"] in ("crash", "hang") for row in rows),
-    "empty": lambda rows: sum(bool(row.get("empty")) for row in rows),
-    "area lost, %": lambda rows: fold(rows, "lost", "{:.2%}"),
-    "over 1 % lost": lambda rows: sum((row.get("lost") or 0) > 0.01 for row in rows),
-    "unsaid": lambda rows: sum(unsaid(row) > 0.01 for row in rows),
-    "volume off, median %": lambda rows: fold(rows, "volume", "{:.3%}", statistics.median),
-    "mean %": lambda rows: fold(rows, "volume", "{:.1%}"),
-    "sound faces kept, %": lambda rows: fold(rows, "kept", "{:.1%}"),
-    "CPU s": lambda rows: fold(rows, "cpu", "{:.2f}"),
-}
+COLUMNS = {
+    "fields": {
+        "wrong signs, %": fold("wrong", "{:.3%}"), "near, %": fold("near", "{:.2%}"), "worst case, %": fold("near", "{:.1%}", max),
+        "error, voxels": fold("mean", "{:.1g}"), "largest": fold("max", "{:.1g}", max), "CPU s": fold("cpu", "{:.3f}"),
+        "MB, most": fold("megabytes", "{:.0f}", max), "no result": count(lambda row: row["state"] != "ok")},
+    "repairs": {
+        "cases": len, "watertight, %": share(lambda row: row.get("watertight")), "refused, %": share(lambda row: row["state"] == "refused"),
+        "crash, hang": count(lambda row: row["state"] in ("crash", "hang")), "empty": count(lambda row: row.get("empty")),
+        "area lost, %": fold("lost", "{:.2%}"), "over 1 % lost": count(lambda row: (row.get("lost") or 0) > 0.01),
+        "unsaid": count(lambda row: unsaid(row) > 0.01), "volume off, median %": fold("volume", "{:.3%}", statistics.median),
+        "mean %": fold("volume", "{:.1%}"), "sound faces kept, %": fold("kept", "{:.1%}"), "CPU s": fold("cpu", "{:.2f}")},
+}  # fmt: skip
 
 
 def table(titles, rows):
@@ -315,29 +286,24 @@ def table(titles, rows):
 
 def tables(found, options):
     """Yields the name and the text of each table. A cell has the value of each seed; by break, that of all seeds."""
-    for kind, columns in (("fields", FIELD_COLUMNS), ("repairs", REPAIR_COLUMNS)):
+    for kind, columns in COLUMNS.items():
         runs = {name: [found[kind, seed, name] for seed in options.seeds] for name in wild_peers.peers(kind)
                 if found.get((kind, options.seeds[0], name), [{"state": "missing"}])[0]["state"] != "missing"}  # fmt: skip
         rows = [[name, *(", ".join(str(cell(each)) for each in seeds) for cell in columns.values())] for name, seeds in runs.items()]
         yield kind, table(["package", *columns], rows)
         if kind == "fields":
-            rows = [[way, *(fold((row for rows in seeds for row in rows if row["way"] == way), "near", "{:.2%}") for seeds in runs.values())]
+            near, every = fold("near", "{:.2%}"), {name: [row for rows in seeds for row in rows] for name, seeds in runs.items()}
+            rows = [[way, *(near([row for row in rows if row["way"] == way]) for rows in every.values())]
                     for way in ("unbroken", *wild_meshes.WAYS)]  # fmt: skip
             yield "fields by break", table(["break", *runs], rows)
     meshes = ", ".join(f"{name} ({len(mesh[1]):,})" for (name, is_hollow), mesh in Case.closed.items() if not is_hollow)
     cpu = re.search(r"model name\s*: (.*)", pathlib.Path("/proc/cpuinfo").read_text())[1]
-    seeds, count = " ".join(map(str, options.seeds)), len(found["fields", options.seeds[0], "raymap"])
-    yield "setting", table(["command", f"`scripts/wild.py --seeds {seeds} --resolution {options.resolution} --repairs {options.repairs}`: {count} fields "
+    seeds, number = " ".join(map(str, options.seeds)), len(found["fields", options.seeds[0], "raymap"])
+    versions = {each.metadata["Name"]: each.version for each in importlib.metadata.distributions()}
+    yield "setting", table(["command", f"`scripts/wild.py --seeds {seeds} --resolution {options.resolution} --repairs {options.repairs}`: {number} fields "
                             f"of {options.resolution}³ samples and {options.repairs} repairs for each seed"],
                            [["meshes, faces", meshes], ["machine", f"{os.cpu_count()} cores, {cpu}; Python {sys.version.split()[0]}"],
-                            ["versions", ", ".join(f"{name} {version_of(name)}" for name in PACKAGES)]])  # fmt: skip
-
-
-def version_of(name):
-    try:
-        return importlib.metadata.version(name)
-    except importlib.metadata.PackageNotFoundError:
-        return "missing"
+                            ["versions", ", ".join(f"{name} {versions.get(name, 'missing')}" for name in PACKAGES)]])  # fmt: skip
 
 
 def write(page, found, options):
@@ -351,31 +317,11 @@ def write(page, found, options):
     page.write_text(text)
 
 
-def save_findings(folder, found):
-    """Writes the meshes at which Raymap has a fault, and a list of them, the worst first."""
-    import trimesh
-
-    folder.mkdir(parents=True, exist_ok=True)
-    lines = []
-    for (kind, _, name), rows in found.items():
-        for row in rows if name == "raymap" else ():
-            texts = faults(kind, row, 0.2)
-            if texts and "mesh" in row:
-                file = folder / f"{kind}_{row['mesh'].replace(' ', '_')}_{row['way'].replace(' ', '_')}_{row['seed']}.ply"
-                vertices, faces, *_ = Case(row["mesh"], row["way"], row["seed"]).broken()
-                trimesh.Trimesh(vertices, faces, process=False).export(file)
-                lines.append((row.get("unsaid") or row.get("near") or 9, f"- {file.name}: {'; '.join(texts)}"))
-    lines.sort(key=lambda line: -line[0])
-    (folder / "LIST.md").write_text("\n".join(line for _, line in lines) + "\n")
-    print(f"{len(lines)} findings in {folder}", file=sys.stderr)
-
-
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--write", type=pathlib.Path, metavar="PAGE", help="write the tables between the markers of this page")
     parser.add_argument("--quick", action="store_true", help="few cases, and Raymap alone")
     parser.add_argument("--check", action="store_true", help="with --quick: fail at a fault")
-    parser.add_argument("--findings", type=pathlib.Path, metavar="FOLDER", help="write the meshes at which Raymap has a fault")
     parser.add_argument("--out", type=pathlib.Path, default=ROOT / "out/wild", help="folder of results")
     parser.add_argument("--only", nargs="+", metavar="PEER", help="only these packages")
     parser.add_argument("--kinds", nargs="+", default=["fields", "repairs"], choices=["fields", "repairs"])
@@ -388,8 +334,6 @@ def main():
         options.seeds, options.repairs, options.resolution, options.out, options.meshes = [1], 14, 24, None, QUICK
         return 1 if quick(options) and options.check else 0
     found = run_all(options, options.kinds, options.only)
-    if options.findings:
-        save_findings(options.findings, found)
     if options.write:
         write(options.write, found, options)
     return 0

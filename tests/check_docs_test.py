@@ -68,7 +68,7 @@ class CheckDocs(PlantedTree):
 
     def test_finds_libraries_in_places_that_do_not_use_them(self):
         place = "`src/render/write_png.cpp`"
-        self.edit("docs/dependencies.md", place, f"{place}, `src/render/slice_view.cpp`")
+        self.edit("docs/dev/dependencies.md", place, f"{place}, `src/render/slice_view.cpp`")
         self.assert_found("src/render/slice_view.cpp does not include libpng")
 
     def test_finds_commands_without_a_section(self):
@@ -106,6 +106,14 @@ class CheckDocs(PlantedTree):
         self.assert_found(f'docs/points.md:{lines + 2}: "What it reads is kept" puts off the subject; begin with it',
                           f'docs/points.md:{lines + 5}: "Of a mesh, it reads faces" puts off the subject',
                           '"Of a mesh, all" puts off the subject', '"What it is" puts off the subject')
+
+    def test_finds_more_lines_for_users_than_agreed(self):
+        self.append("docs/dev/walks.md", "\n" * 5000)
+        self.append("docs/options.md", "<!-- scripts/some.py writes what follows. -->" + "\n" * 5000 + "<!-- That is all of it. -->")
+        self.append("docs/wild.md", "<!-- a table -->" + "\n" * 5000 + "<!-- end of a table -->")
+        self.assert_accepted(" 0 faults")
+        self.append("docs/points.md", "\n" * 5000)
+        self.assert_found("lines, more than 5000")
 
     def test_finds_exit_codes_that_are_listed_once_only(self):
         self.edit("docs/cli.md", "| 9 | ", "| 12 | ")

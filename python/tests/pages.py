@@ -4,9 +4,6 @@ from __future__ import annotations
 
 import doctest
 import re
-import subprocess
-import sys
-from pathlib import Path
 
 
 def run_test(test: doctest.DocTest) -> None:
@@ -30,24 +27,3 @@ def run_page(text: str, name: str) -> None:
         run_test(doctest.DocTestParser().get_doctest(code, {}, name, name, 0))
     else:
         exec(compile(code, name, "exec"), {})
-
-
-RUN = {"python": [sys.executable, "-c"], "sh": ["bash", "-ec"]}
-
-
-def run_lesson(text: str, folder: Path, environment: dict[str, str]) -> None:
-    """Runs the blocks of a lesson in a folder. Each must print the block ``text`` behind it, or else nothing.
-
-    Blocks that are neither Python nor sh are files, which their first line names."""
-    blocks = re.findall(r"^```(\w+)\n(.*?)^```", text, re.MULTILINE | re.DOTALL)
-    for (language, code), (next_language, shown) in zip(blocks, [*blocks[1:], ("", "")]):
-        if language not in RUN:
-            if language != "text":
-                Path(folder, code.split("\n")[0].split()[1]).write_text(code)
-            continue
-        ended = subprocess.run([*RUN[language], code], cwd=folder, env=environment, text=True, check=False,
-                               stdout=subprocess.PIPE, stderr=subprocess.STDOUT)  # fmt: skip
-        assert ended.returncode == 0, f"{code}ends with {ended.returncode}:\n{ended.stdout}"
-        expected = shown if next_language == "text" else ""
-        is_right = doctest.OutputChecker().check_output(expected, ended.stdout, doctest.ELLIPSIS)
-        assert is_right, f"{code}prints\n{ended.stdout}and not\n{expected}"

@@ -23,6 +23,8 @@ AGREEMENT = {
     "mesh_to_sdf": APPROXIMATE,
     "mesh_to_voxels": APPROXIMATE,  # of mesh_to_sdf
     "mesh2sdf": APPROXIMATE,
+    "MeshLib": EXACT,
+    "trueform": EXACT,
 }
 
 
@@ -32,7 +34,7 @@ ROWS = dict(re.findall(r"^\| (\S+) \| [0-9.]+ \| [^|]* \| (inside|outside)\b", P
 def run(package, monkeypatch, vertices, faces, points):
     """Runs the block of a package. Returns the package's results and ours."""
     monkeypatch.setitem(os.environ, "PYOPENGL_PLATFORM", "egl")  # mesh_to_sdf: no display
-    for name in re.findall(r"^import (\w+)", BLOCKS[package], re.MULTILINE):
+    for name in re.findall(r"^(?:import|from) (\w+)", BLOCKS[package], re.MULTILINE):
         load(name)
     load("rtree" if package == "trimesh" else "numpy")
     names = dict(np=np, raymap=raymap, vertices=vertices, faces=faces.astype(np.int32), points=points)

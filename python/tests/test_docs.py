@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 import raymap
 from conftest import ROOT
-from pages import run_lesson, run_page, run_test
+from pages import run_page, run_test
 
 FOUND = [module.name for module in pkgutil.walk_packages(raymap.__path__, "raymap.")]
 MODULES = ["raymap", *(name for name in FOUND if name not in ("raymap._raymap", "raymap.jax", "raymap.torch"))]
@@ -47,25 +47,33 @@ def shell(tmp_path_factory: pytest.TempPathFactory) -> dict[str, str]:
     package = Path(raymap.__file__).parents[1]
     paths = (Path(prefix, "bin"), Path(sys.executable).parent, os.environ["PATH"])
     return os.environ | {"PATH": ":".join(map(str, paths)), "PYTHONPATH": str(package), "RAYMAP_CACHE": "off",
-                         "CMAKE_PREFIX_PATH": str(prefix)}  # fmt: skip
+                         "CMAKE_PREFIX_PATH": str(prefix), "MPLBACKEND": "agg"}  # fmt: skip
+
+
+def run_lesson(lesson: Path, shell: dict[str, str], folder: Path) -> str:
+    """Runs a lesson in an empty folder. Returns its faults."""
+    command = [sys.executable, str(Path(ROOT, "scripts/tutorials.py")), "--here", str(lesson)]
+    folder.mkdir()
+    done = subprocess.run(command, cwd=folder, env=shell, text=True, check=False, stderr=subprocess.PIPE)
+    return done.stderr if done.returncode else ""
 
 
 @pytest.mark.parametrize("lesson", LESSONS, ids=lambda lesson: lesson.stem)
 def test_lessons(lesson: Path, shell: dict[str, str], tmp_path: Path) -> None:
-    folder = tmp_path / "lesson"
-    folder.mkdir()
-    run_lesson(lesson.read_text(), folder, shell)
+    faults = run_lesson(lesson, shell, tmp_path / "lesson")
+    assert not faults, faults
 
 
 @pytest.mark.parametrize("end, fault", [
     ("```text\nscan.ply: good, ...\n```\n", "prints\nscan.ply: bad"),
     ("", "prints\nscan.ply: bad"),
     ("```text\nscan.ply: bad, ...\n```\n```python\nprint(1 / 0)\n```\n", "ZeroDivisionError"),
-], ids=["another output", "no output", "error"])  # fmt: skip
+    ("```text\nscan.ply: bad, ...\n```\n![A](../images/tutorials/a.png)\n", "does not draw a.png"),
+], ids=["another output", "no output", "error", "no picture"])  # fmt: skip
 def test_a_wrong_lesson_is_found(end: str, fault: str, shell: dict[str, str], tmp_path: Path) -> None:
-    right = "```sh\nraymap example -o scan.ply --holes -q\nraymap check scan.ply || true\n```\n"
-    with pytest.raises(AssertionError, match=fault):
-        run_lesson(right + end, tmp_path, shell)
+    lesson = tmp_path / "lesson.md"
+    lesson.write_text("```sh\nraymap example -o scan.ply --holes -q\nraymap check scan.ply || true\n```\n" + end)
+    assert fault in run_lesson(lesson, shell, tmp_path / "lesson")
 
 
 def test_everything_public_has_a_docstring() -> None:

@@ -44,7 +44,7 @@ class ReadmeTest(unittest.TestCase):
 
     def test_commands_of_readme(self):
         lines = printed(README.read_text())
-        self.assertEqual(len(lines), 5)
+        self.assertEqual(len(lines), 6)
         self.run_lines(lines)
         self.assertEqual(self.run_line("raymap check solid.stl").count(": good"), 1)
 
