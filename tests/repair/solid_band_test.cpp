@@ -78,7 +78,9 @@ TEST(SolidBand, ClosesAHoleInTheMiddleOfTiles) {
   forEachSample(grid, [&](const glm::ivec3& s) {
     const float expected = dense.distance[grid.index(s)], found = closed.field.distanceAt(s);
     if (std::abs(expected) < std::abs(open.distanceAt(s)) - float(grid.spacing)) ++near;
-    if (std::abs(expected - found) > 0.01 * grid.spacing) ++apart;
+    // Dense fields end the patch beside the rim, not at it.
+    if (std::abs(open.distanceAt(s)) > 3.0 * grid.spacing && std::abs(expected - found) > 0.01 * grid.spacing)
+      ++apart;
     if (std::abs(expected) > 0.1 * grid.spacing) {
       EXPECT_EQ(expected < 0.0f, found < 0.0f) << s.x << " " << s.y << " " << s.z;
     }

@@ -177,6 +177,26 @@ TEST(UniteParts, ClosesHolesIfAskedTo) {
   EXPECT_EQ(united.filled.faces, 1u);
 }
 
+TEST(UniteParts, TurnsFacesBackBeforeItClosesHoles) {
+  // A hole, and faces beside it that are reversed: what is between them and the others is no hole.
+  Mesh open = join({shapes::sphere(1.0, 3), shapes::box({0, 0, 0}, {2, 2, 2})});
+  std::vector<uint32_t> near;
+  std::erase_if(open.triangles, [&](const glm::uvec3& t) { return open.position(t.x).x < -0.9; });
+  for (uint32_t f = 0; f < open.triangles.size(); ++f)
+    if (open.position(open.triangles[f].x).x < -0.7 && open.position(open.triangles[f].x).y > 0.0)
+      near.push_back(f);
+  ASSERT_GT(near.size(), 10u);
+  const UnitedParts expected = uniteParts(Model(open), InsideOut::Turned, true);
+  ASSERT_EQ(expected.failure, FieldReason::None);
+  for (const uint32_t f : near) std::swap(open.triangles[f].y, open.triangles[f].z);
+  const UnitedParts united = uniteParts(Model(open), InsideOut::Turned, true);
+  ASSERT_EQ(united.failure, FieldReason::None);
+  EXPECT_EQ(united.filled.holes, 1u);
+  EXPECT_EQ(united.turned, near);
+  EXPECT_NEAR(diagnose(united.mesh).signedVolume, diagnose(expected.mesh).signedVolume, 1e-5);
+  EXPECT_EQ(uniteParts(Model(open), InsideOut::Kept, true).failure, FieldReason::Open);
+}
+
 TEST(UniteParts, ClosesHolesThatEndAtEdgesOfThreeFaces) {
   // A box without a side, and a box whose edge lies on the rim of the hole: that edge has three faces.
   Mesh open = shapes::box({0, 0, 0}, {2, 2, 2});

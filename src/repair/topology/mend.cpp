@@ -35,17 +35,6 @@ bool isAnyUndecided(const Patches& patches) {
   return false;
 }
 
-/// Turns the faces that contradict most faces of their part. Leaves the mesh as it is if that is not certain.
-std::vector<uint32_t> turnBack(Mesh& mesh) {
-  const Patches patches = findPatches(Model(mesh));
-  if (isAnyUndecided(patches)) return {};
-  std::vector<uint32_t> turned = findFlippedFaces(patches);
-  turnFaces(mesh, turned);
-  if (diagnose(mesh, {.brief = true}).consistentlyOriented) return turned;
-  turnFaces(mesh, turned);
-  return {};
-}
-
 /// Turns outermost pieces that are inside out and of which some faces were turned. Updates `turned`, which
 /// has faces below `given` only.
 void turnOut(Mesh& mesh, size_t given, std::vector<uint32_t>& turned) {
@@ -90,6 +79,16 @@ std::optional<Mended> fillAll(const Mended& open, size_t given) {
 }
 
 }  // namespace
+
+std::vector<uint32_t> turnBack(Mesh& mesh) {
+  const Patches patches = findPatches(Model(mesh));
+  if (isAnyUndecided(patches)) return {};
+  std::vector<uint32_t> turned = findFlippedFaces(patches);
+  turnFaces(mesh, turned);
+  if (diagnose(mesh, {.brief = true}).consistentlyOriented) return turned;
+  turnFaces(mesh, turned);
+  return {};
+}
 
 bool looksRight(const Diagnostics& found) {
   return found.watertight && found.signedVolume > 0.0 && found.nonManifoldEdges == 0 &&

@@ -19,6 +19,10 @@ bool looksRight(const Diagnostics& found);
 /// Returns whether no faces cross, and the search for them is complete.
 bool crossesNowhere(const SelfIntersections& crossing);
 
+/// Turns the faces that contradict most faces of their part, and returns them, ascending. Leaves the mesh as
+/// it is if that is not certain.
+std::vector<uint32_t> turnBack(Mesh& mesh);
+
 /// Returns whether nothing at all is wrong with a mesh.
 bool isAllRight(const Model& mesh);
 

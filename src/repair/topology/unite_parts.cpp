@@ -20,15 +20,19 @@ UnitedParts uniteParts(const Model& given, InsideOut insideOut, bool closesHoles
   constexpr double kSameVolume = 1e-3;  // Share of the volume that rounding and cleaning may change.
   UnitedParts united{.mesh = weldedCopy(given)};
   std::vector<uint32_t> faces;  // Of the given mesh, if some were left out.
+  std::vector<uint32_t> back;   // Faces that contradict their part.
   if (!diagnose(united.mesh, {.brief = true}).balanced) {
     CleanedFaces cleaned = cleanFaces(given);
     united.mesh = std::move(cleaned.mesh);
     faces = std::move(cleaned.given);
     united.cleanedFaces = cleaned.count;
+    if (insideOut == InsideOut::Turned) back = turnBack(united.mesh);
+    const bool doAgree = diagnose(united.mesh, {.brief = true}).consistentlyOriented;
     if (closesHoles) united.sewnVertices = sewCracks(united.mesh);
     if (const Diagnostics found = diagnose(united.mesh); !found.balanced) {
       if (found.sheets > 0) return {.failure = FieldReason::Sheet};
-      if (closesHoles && (insideOut == InsideOut::Turned || found.consistentlyOriented))
+      // Between faces that contradict each other is no hole, unless a crack was between them.
+      if (closesHoles && doAgree && (insideOut == InsideOut::Turned || found.consistentlyOriented))
         united.filled = fillHoles(united.mesh);
       if (united.filled.holes == 0) return {.failure = FieldReason::Open};
     }
@@ -42,8 +46,9 @@ UnitedParts uniteParts(const Model& given, InsideOut insideOut, bool closesHoles
     std::optional<UnitedFaces> cut = uniteFaces(mesh, insideOut != InsideOut::Subtracted);
     if (!cut || cut->mesh.triangles.empty()) break;
     if (round == 0) {
-      std::ranges::set_symmetric_difference(united.inverted.faces, cut->turned,
-                                            std::back_inserter(united.turned));
+      std::vector<uint32_t> inverted;
+      std::ranges::set_symmetric_difference(united.inverted.faces, cut->turned, std::back_inserter(inverted));
+      std::ranges::set_symmetric_difference(back, inverted, std::back_inserter(united.turned));
       std::erase_if(united.turned, [&](uint32_t f) { return !faces.empty() && f >= faces.size(); });
       if (!faces.empty())
         for (uint32_t& f : united.turned) f = faces[f];

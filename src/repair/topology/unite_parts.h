@@ -33,9 +33,9 @@ enum class InsideOut : uint8_t {
   Subtracted  ///< They take away from the others.
 };
 
-/// Cuts the faces of a mesh where they cross, overlap or touch, and keeps what bounds the union. With
-/// `closesHoles`, closes all holes before, unless a part is a sheet; if parts may be turned, also those
-/// between faces that face against each other.
+/// Cuts the faces of a mesh where they cross, overlap or touch, and keeps what bounds the union. If parts may
+/// be turned, turns back faces that contradict their part before. With `closesHoles`, closes all holes,
+/// unless a part is a sheet or its faces still contradict each other.
 UnitedParts uniteParts(const Model& mesh, InsideOut insideOut = InsideOut::Turned, bool closesHoles = false);
 
 }  // namespace raymap
