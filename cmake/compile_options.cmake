@@ -4,6 +4,12 @@ target_compile_options(raymap_compile_options INTERFACE -Wall -Wextra -Wpedantic
 # GCC 12 sees overlapping copies in std::string's operator+ where there are none (GCC bug 105651).
 target_compile_options(raymap_compile_options INTERFACE
   $<$<AND:$<CXX_COMPILER_ID:GNU>,$<VERSION_LESS:$<CXX_COMPILER_VERSION>,13>>:-Wno-restrict>)
+if(CMAKE_SYSTEM_PROCESSOR MATCHES "^(aarch64|arm64)$")
+  # As on x86-64, only what asks for it is fused.
+  add_compile_options(-ffp-contract=off)
+  # Structs have members of Highway's vectors. Those of SVE have no size that a compiler knows.
+  add_compile_definitions(HWY_BROKEN_TARGETS=HWY_SVE|HWY_SVE2|HWY_SVE_256|HWY_SVE2_128)
+endif()
 if(RAYMAP_WERROR)
   target_compile_options(raymap_compile_options INTERFACE -Werror)
 endif()

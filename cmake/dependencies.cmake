@@ -18,6 +18,7 @@ if(RAYMAP_IO)
 endif()
 if(RAYMAP_OPENVDB)
   find_path(OPENVDB_INCLUDE openvdb/openvdb.h REQUIRED)
+  find_library(OPENVDB_LIBRARY openvdb REQUIRED)
   find_path(NANOVDB_INCLUDE nanovdb/util/OpenToNanoVDB.h REQUIRED)
   # Half floats in OpenVDB's headers. Debian 12's package tells everyone that its Python library, not needed here, is missing.
   set(CMAKE_MESSAGE_LOG_LEVEL NOTICE)

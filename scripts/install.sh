@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Installs, by apt, those packages that are missing: to build and test, with --checks what CI's checks need too, and with
-# --bench what the benchmarks need.
+# Installs, by apt, those packages that are missing: to build and test, with --checks what CI's checks need too, with
+# --bench what the benchmarks need, and with --release what the files of a release need.
 # The names are the same on Debian 12 and 13 and Ubuntu 24.04.
 set -euo pipefail
 
@@ -43,8 +43,15 @@ peers=(
   python3-venv                   # the Python peers come from PyPI,
   libusb-1.0-0 libgl1 libgomp1 libeigen3-dev  # and two of them need these
 )
+release=(
+  debhelper lintian              # Debian's packages
+  dpkg-dev libutfcpp-dev libminizip-dev libblosc-dev  # libraries of their sources
+  mmdebstrap                     # systems of another architecture
+  crossbuild-essential-arm64 qemu-user-static  # to build for it, and run that
+)
 if [[ ${1:-} == --bench ]]; then packages+=("${peers[@]}"); fi
 if [[ ${1:-} == --checks ]]; then packages+=("${checks[@]}"); fi
+if [[ ${1:-} == --release ]]; then packages+=("${release[@]}"); fi
 
 asRoot=(env DEBIAN_FRONTEND=noninteractive)
 if [[ $(id -u) -ne 0 ]]; then asRoot=(sudo "${asRoot[@]}"); fi

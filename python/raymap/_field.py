@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any, Literal, Unpack, overload
+from typing import Any, Literal, overload
 
 import numpy as np
 import numpy.typing as npt
@@ -20,6 +20,7 @@ from ._options import array_options, check_names, core_options
 from ._pictures import ViewOptions
 from ._progress import Progress, reporting
 from ._records import Comparison, FieldArray, Stats
+from ._typing import Unpack
 from ._whole_file import save_with_arrays
 
 #: Value of ``Field.triangle`` where the distance is clamped, and where surface that closes a hole is closer.

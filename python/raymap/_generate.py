@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Iterable
 from functools import partial
-from typing import Any, Literal, TypedDict, TypeVar, Unpack, overload
+from typing import Any, Literal, TypedDict, TypeVar, overload
 
 import numpy as np
 import numpy.typing as npt
@@ -19,6 +19,7 @@ from ._mesh import Mesh, core_of
 from ._options import array_options, check_names, core_options
 from ._progress import Progress, reporting
 from ._records import DistanceMode, FieldArray, Orientation, Sampling, SignMode
+from ._typing import Unpack
 
 
 class SurfaceFieldOptions(TypedDict, total=False):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from typing import Any, Unpack
+from typing import Any
 
 from . import _raymap
 from ._arguments import to_path, to_text
@@ -11,6 +11,7 @@ from ._generate import FileFieldOptions, to_core, to_mesh
 from ._options import check_names
 from ._progress import reporting
 from ._records import FileReport
+from ._typing import Unpack
 
 
 def generate_file(

@@ -6,7 +6,7 @@ import os
 import re
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any, Unpack
+from typing import Any
 
 import numpy as np
 
@@ -15,6 +15,7 @@ from ._arguments import to_path, to_whole
 from ._errors import FileError, InputError, UsageError
 from ._field import Field, save_as
 from ._generate import FieldOptions, Generator
+from ._typing import Unpack
 from ._whole_file import npz_arrays
 
 

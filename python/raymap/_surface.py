@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import Any, Generic, Literal, NamedTuple, TypeAlias, TypedDict, TypeVar, Unpack, get_args, overload
+from typing import Any, Generic, Literal, TypeAlias, TypedDict, TypeVar, get_args, overload
 
 import numpy as np
 import numpy.typing as npt
@@ -18,6 +18,7 @@ from ._mesh import Mesh, core_of, mesh_of_arrays
 from ._options import array_options, check_names, core_options
 from ._progress import Progress, reporting
 from ._records import FieldArray, Orientation, Part, Stats, ThicknessSummary
+from ._typing import NamedTuple, Unpack
 
 #: Name of what ``Surface.query`` can compute.
 QueryArray: TypeAlias = Literal[

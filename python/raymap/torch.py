@@ -16,7 +16,7 @@ import os
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import suppress
 from functools import partial, wraps
-from typing import Any, TypeVar, Unpack
+from typing import Any, TypeVar
 
 import numpy as np
 import numpy.typing as npt
@@ -30,6 +30,7 @@ from ._nearest import Nearest, find_closest, find_nearest, follow, hold, project
 from ._samples import Sampler, SamplerOptions, to_seed
 from ._surface import Query, Surface
 from ._trilinear import Cells, check_field, find_cells, interpolate
+from ._typing import Unpack
 from .dataset.read import Results
 
 try:

@@ -8,10 +8,11 @@ import time
 from collections.abc import Iterable
 from contextlib import suppress
 from pathlib import Path
-from typing import Any, Literal, NamedTuple, TypeAlias, Unpack
+from typing import Any, Literal, NamedTuple, TypeAlias
 
 from .._errors import FileError, UsageError, warn
 from .._progress import reporting
+from .._typing import Unpack
 from .._whole_file import file_errors, only_writer, remove_leftovers
 from .jobs import Options, PathLike, make_jobs
 from .packing import Packed, PackFormat, pack

@@ -46,7 +46,7 @@ class _Child:
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             stderr=self._log,
-            process_group=0,  # Ctrl-C does not reach it; importers that it starts end with it.
+            start_new_session=True,  # Ctrl-C does not reach it; importers that it starts end with it.
             env={**os.environ, "PYTHONPATH": path, "OPENBLAS_NUM_THREADS": "1"},  # Its threads would only take memory.
         )
         self.device = device

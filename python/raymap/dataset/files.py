@@ -38,7 +38,10 @@ def file_hash(path: str | os.PathLike[str]) -> str:
         OSError: The file cannot be read.
     """
     with open(path, "rb") as file:
-        return hashlib.file_digest(file, "sha256").hexdigest()
+        found = hashlib.sha256()
+        while part := file.read(1 << 18):
+            found.update(part)
+        return found.hexdigest()
 
 
 def buffer_hashes(mesh: str, most: int) -> dict[str, str | None]:

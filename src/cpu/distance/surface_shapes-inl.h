@@ -9,6 +9,7 @@
 
 #include <hwy/highway.h>
 
+#include "cpu/distance/inverse_root-inl.h"
 #include "cpu/distance/surface_tree.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -153,7 +154,7 @@ HWY_INLINE Float squaredDistance(const Triangle<Read>& t, Float px, Float py, Fl
 /// Returns 1 / sqrt(x) to nearly full precision, and much faster. Only pruning uses it, no written result.
 HWY_INLINE Float inverseSqrt(Float x) {
   const Tag tag;
-  const Float y = hn::ApproximateReciprocalSqrt(x);
+  const Float y = guessInverseRoot(tag, x);
   return hn::Mul(y, hn::NegMulAdd(hn::Mul(hn::Mul(x, hn::Set(tag, 0.5f)), y), y, hn::Set(tag, 1.5f)));
 }
 

@@ -24,6 +24,7 @@
 #include <unordered_map>
 #include <vector>
 
+#include "cpu/distance/inverse_root-inl.h"
 #include "mesh/position_bits.h"
 
 #ifndef RAYMAP_WINDING_RIMS_ONCE
@@ -89,7 +90,7 @@ HWY_INLINE hn::Vec<D> reciprocalRoot(D d, hn::Vec<D> v) {
   if constexpr (sizeof(hn::TFromD<D>) == sizeof(double)) {
     return hn::Div(one, hn::Sqrt(v));
   } else {  // One step of Newton's method.
-    const hn::Vec<D> guess = hn::ApproximateReciprocalSqrt(v), half = hn::Set(d, 0.5f);
+    const hn::Vec<D> guess = guessInverseRoot(d, v), half = hn::Set(d, 0.5f);
     const hn::Vec<D> error = hn::NegMulAdd(hn::Mul(v, guess), guess, one);
     return hn::MulAdd(hn::Mul(guess, half), error, guess);
   }

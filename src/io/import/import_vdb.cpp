@@ -272,7 +272,9 @@ void sendVdb(int descriptor, const std::string& gridName, uint64_t mostDense) {
   openvdb::initialize();
   useOneThread();
   openvdb::io::File file("/proc/self/fd/" + std::to_string(descriptor));
+#ifdef OPENVDB_USE_DELAYED_LOADING
   file.setCopyMaxBytes(0);
+#endif
   file.open(false);
   sendGrids(
       *file.readAllGridMetadata(), [&](const std::string& name) { return file.readGrid(name); }, gridName,
