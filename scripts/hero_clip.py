@@ -39,7 +39,7 @@ def labelled(picture, number):
 
 def main(raymap, folder):
     run(raymap, folder, "generate", "duck.obj", "-o", "hero.vdb", "--resolution", 256, "--close-holes", "--overwrite")
-    run(raymap, folder, "repair", "duck.obj", "-o", "hero.obj", "--remesh", "--overwrite")
+    run(raymap, folder, "repair", "duck.obj", "-o", "hero.obj", "--overwrite")
     run(raymap, folder, "generate", "hero.obj", "-o", "hero_solid.vdb", "--resolution", 256, "--overwrite")
     run(raymap, folder, "info", "duck.obj", "--picture", "hero.png", "--size", *SIZE, "--overwrite")
     frames, planes = [(Image.open(folder / "hero.png").convert("RGB"), 0, 1700)], [DEPTH * (1 - k / 12) for k in range(25)]
