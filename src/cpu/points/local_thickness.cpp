@@ -204,7 +204,7 @@ class WindingBeside {
   }
 
  private:
-  static constexpr double kDoubt = 0.2;  ///< By how much a number may be wrong whose side alone is asked for.
+  static constexpr double kDoubt = 0.2;  ///< Error of a number of which only the side matters.
 
   /// Returns the position beside a point: in front of its face, or with `side` 1 behind it.
   glm::dvec3 placeOf(size_t i, int side) const {

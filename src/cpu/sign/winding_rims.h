@@ -23,7 +23,7 @@ struct RimShare {
 /// dot(`slope`, way) within `bend`.
 struct RimChange {
   glm::dvec3 slope{0.0};
-  double bend = 0.0;  ///< Infinite if a rim may meet the ball.
+  double bend = 0.0;  ///< Infinite if a rim may meet the ball, or if with many rims it exceeds one half.
 };
 
 /// Rims one after the other: each vertex is the end of the rim before it and the start of the next.

@@ -5,19 +5,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
 #include <utility>
 
 #include "base/parallel.h"
 #include "cpu/points/face_crossings.h"
 #include "cpu/points/lattice_query.h"
 #include "cpu/points/narrow_band.h"
-#include "cpu/points/point_cells.h"
 #include "cpu/points/point_query.h"
-#include "cpu/points/segment_crossings.h"
 #include "field/leaf_order.h"
 #include "isosurface/contour_rows.h"
-#include "method/turns.h"
 
 namespace raymap {
 

@@ -12,9 +12,9 @@ namespace raymap {
 
 namespace {
 
-constexpr double kShare =
-    0.25;  // Of the shortest edge on a rim: farther vertices are no two sides of a crack.
-constexpr double kWidest = 2e-3;  // The same, of the mesh's diagonal.
+// Vertices that are farther apart are no two sides of a crack.
+constexpr double kShare = 0.25;   // Share of the shortest edge on a rim.
+constexpr double kWidest = 2e-3;  // Share of the mesh's diagonal.
 constexpr size_t kMostTests = size_t{1} << 26;
 /// Vertices are sorted along this direction: rims often lie in planes across an axis.
 const glm::dvec3 kAlong(0.36, 0.48, 0.8);

@@ -26,13 +26,16 @@ UnitedParts uniteParts(const Model& given, InsideOut insideOut, bool closesHoles
     united.mesh = std::move(cleaned.mesh);
     faces = std::move(cleaned.given);
     united.cleanedFaces = cleaned.count;
-    if (insideOut == InsideOut::Turned) back = turnBack(united.mesh);
-    const bool doAgree = diagnose(united.mesh, {.brief = true}).consistentlyOriented;
+    bool isConsistent = diagnose(united.mesh, {.brief = true}).consistentlyOriented;
+    if (!isConsistent && insideOut == InsideOut::Turned) {
+      back = turnBack(united.mesh);
+      isConsistent = !back.empty();
+    }
     if (closesHoles) united.sewnVertices = sewCracks(united.mesh);
     if (const Diagnostics found = diagnose(united.mesh); !found.balanced) {
       if (found.sheets > 0) return {.failure = FieldReason::Sheet};
       // Between faces that contradict each other is no hole, unless a crack was between them.
-      if (closesHoles && doAgree && (insideOut == InsideOut::Turned || found.consistentlyOriented))
+      if (closesHoles && isConsistent && (insideOut == InsideOut::Turned || found.consistentlyOriented))
         united.filled = fillHoles(united.mesh);
       if (united.filled.holes == 0) return {.failure = FieldReason::Open};
     }
@@ -60,7 +63,7 @@ UnitedParts uniteParts(const Model& given, InsideOut insideOut, bool closesHoles
     united.cutFaces += partEdges(united.mesh);
     if (!isAllRight(Model(united.mesh))) {
       const SelfIntersections crossing = findSelfIntersections(united.mesh);
-      if (crossing.pairs > pairs) break;  // It would never end.
+      if (crossing.pairs > pairs) break;  // Rounding makes ever more.
       pairs = crossing.pairs;
       raiseLowFaces(united.mesh, crossing.faces);
       if (!isAllRight(Model(united.mesh))) continue;
