@@ -45,7 +45,7 @@ peers=(
 )
 release=(
   debhelper lintian              # Debian's packages
-  dpkg-dev libutfcpp-dev libminizip-dev libblosc-dev  # libraries of their sources
+  dpkg-dev libutfcpp-dev libminizip-dev libblosc-dev  # to build OpenVDB and Assimp from sources
   mmdebstrap                     # systems of another architecture
   crossbuild-essential-arm64 qemu-user-static  # to build for it, and run that
 )

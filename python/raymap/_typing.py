@@ -1,4 +1,4 @@
-"""Names of typing that CPython 3.10 has not, or with less."""
+"""Names of typing that CPython 3.10 lacks, or has with fewer features."""
 
 import sys
 
