@@ -41,7 +41,8 @@ std::vector<std::string> outputExtensions(const ConvertArguments& arguments) {
 }
 
 template <class AnyMesh>
-Outcome writeConvertedMesh(const ConvertArguments& arguments, AnyMesh& mesh) {
+Outcome writeConvertedMesh(const ConvertArguments& arguments, const MeshAttributes& attributes,
+                           AnyMesh& mesh) {
   if (arguments.half || !arguments.gridName.empty())
     throw Error(ErrorCode::Usage, "--grid-name and --half are for a field, and " +
                                       displayName(arguments.input) + " is a mesh; leave them out");
@@ -49,9 +50,10 @@ Outcome writeConvertedMesh(const ConvertArguments& arguments, AnyMesh& mesh) {
                               output = named(arguments.output, arguments.format.output);
   checkMeshUnits(arguments.units, output);
   convertUnits(mesh, arguments.units, input, output);
-  const MeshWriteOptions options = writeOptions(mesh, {.recenter = arguments.units.recenter,
-                                                       .unit = writtenUnit(arguments.units, input),
-                                                       .format = arguments.format.output});
+  MeshWriteOptions options = writeOptions(mesh, {.recenter = arguments.units.recenter,
+                                                 .unit = writtenUnit(arguments.units, input),
+                                                 .format = arguments.format.output});
+  options.attributes = &attributes;
   const size_t triangles = mesh.triangles.size();
   Outcome outcome{
       .done = "converted", .trianglesBefore = triangles, .trianglesAfter = triangles, .figures = {}};
@@ -68,10 +70,11 @@ Outcome writeConvertedMesh(const ConvertArguments& arguments, AnyMesh& mesh) {
 }
 
 /// Writes a mesh, or its positions in double precision if it rounds some.
-Outcome writeConverted(const ConvertArguments& arguments, Mesh& mesh, std::vector<glm::dvec3> exact) {
-  if (exact.empty()) return writeConvertedMesh(arguments, mesh);
+Outcome writeConverted(const ConvertArguments& arguments, const MeshAttributes& attributes, Mesh& mesh,
+                       std::vector<glm::dvec3> exact) {
+  if (exact.empty()) return writeConvertedMesh(arguments, attributes, mesh);
   DoubleMesh precise{std::move(exact), std::move(mesh.triangles)};
-  return writeConvertedMesh(arguments, precise);
+  return writeConvertedMesh(arguments, attributes, precise);
 }
 
 /// Warns of what the file's format has no place for: arrays besides the first, and the grid.
@@ -143,8 +146,11 @@ void findOutput(ConvertArguments& arguments) {
 
 Outcome convertOne(const ConvertArguments& arguments) {
   std::vector<glm::dvec3> exact;
-  auto read = loadMeshOrField(arguments.input, arguments.format.input, arguments.format.grid, &exact);
-  if (Mesh* mesh = std::get_if<Mesh>(&read)) return writeConverted(arguments, *mesh, std::move(exact));
+  MeshAttributes attributes;
+  auto read =
+      loadMeshOrField(arguments.input, arguments.format.input, arguments.format.grid, &exact, &attributes);
+  if (Mesh* mesh = std::get_if<Mesh>(&read))
+    return writeConverted(arguments, attributes, *mesh, std::move(exact));
   return writeConverted(arguments, std::get<Field>(read));
 }
 

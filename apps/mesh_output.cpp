@@ -8,6 +8,7 @@
 #include <charconv>
 #include <cmath>
 #include <cstdio>
+#include <utility>
 
 #include "batch.h"
 #include "checks.h"
@@ -130,9 +131,18 @@ void writeParts(const std::filesystem::path& path, const AnyMesh& mesh, const Me
     files.push_back(path.parent_path() / ((path.stem() += number) += path.extension()));
     checkInputs({{"--split", files.back(), {}}}, kept);
   }
+  MeshWriteOptions each = options;
+  bool hasWarned = false;
+  each.warn = [&](const Warning& warning) {
+    const bool isLoss = warning.code == WarningCode::AttributesLost;
+    if (!isLoss || !std::exchange(hasWarned, true)) warn(warning);
+  };
   for (size_t p = 0; p < parts.size(); ++p) {
     const AnyMesh part = partOf(mesh, parts[p]);
-    writeMesh(files[p], part, options);
+    MeshAttributes attributes;
+    if (options.attributes) attributes = carryAttributes(*options.attributes, mesh, part, parts[p]);
+    each.attributes = &attributes;
+    writeMesh(files[p], part, each);
     written.push_back({{"file", files[p].string()},
                        {"triangles", part.triangles.size()},
                        {"size", toJson(bounds(part).size())},

@@ -16,8 +16,9 @@ namespace raymap {
 struct StoredMesh {
   std::filesystem::path path;
   MeshWriteOptions options;
-  Mesh exact;   ///< The mesh before it is rounded.
-  Mesh stored;  ///< The mesh as the file holds it, moved back by the offset.
+  Mesh exact;                      ///< The mesh before it is rounded.
+  Mesh stored;                     ///< The mesh as the file holds it, moved back by the offset.
+  MeshAttributes attributes = {};  ///< Attributes of the file; to be named in `options`.
 };
 
 /// How to store a mesh.
@@ -51,7 +52,8 @@ void checkSplit(bool isSplit, const std::filesystem::path& output);
 std::vector<std::filesystem::path> inputsKept(const StreamFormat& format, const std::filesystem::path& input);
 
 /// Writes each part of a mesh that is apart (`splitParts`) into a file of its own: NAME_1.stl and so on.
-/// Appends the figures of each to `written`, and numbers go on after those. Throws `Error(Usage)` if a part
+/// Appends the figures of each to `written`, and numbers go on after those. Warns once of attributes that the
+/// format has no place for. Throws `Error(Usage)` if a part
 /// would replace an input in `kept`.
 template <class AnyMesh>
 void writeParts(const std::filesystem::path& path, const AnyMesh& mesh, const MeshWriteOptions& options,

@@ -61,8 +61,9 @@ StoredMesh store(const RepairArguments& arguments, Mesh mesh) {
 }
 
 /// Repairs with progress and warnings on stderr. Stores the result, and what a plane cuts off.
-RepairReport makeSolid(const Mesh& mesh, const RepairGrid& grid, const RepairArguments& arguments,
-                       ProgressLine& line, StoredMesh& stored, StoredMesh& cutOff) {
+RepairReport makeSolid(const Mesh& mesh, const MeshAttributes& attributes, const RepairGrid& grid,
+                       const RepairArguments& arguments, ProgressLine& line, StoredMesh& stored,
+                       StoredMesh& cutOff) {
   RepairOptions how = arguments.repair;
   how.roundResult = [&](Mesh& result) {
     stored = store(arguments, std::move(result));
@@ -83,7 +84,11 @@ RepairReport makeSolid(const Mesh& mesh, const RepairGrid& grid, const RepairArg
   };
   Repaired repaired = repair(mesh, grid, arguments.options, how, machine);
   stored.stored = std::move(repaired.mesh);
-  if (arguments.isSplit && how.cutPlane) cutOff = store(arguments, std::move(repaired.cutOff));
+  stored.attributes = carryAttributes(attributes, mesh, stored.exact, repaired.faceSource);
+  if (arguments.isSplit && how.cutPlane) {
+    cutOff = store(arguments, std::move(repaired.cutOff));
+    cutOff.attributes = carryAttributes(attributes, mesh, cutOff.exact, repaired.cutOffSource);
+  }
   return std::move(repaired.report);
 }
 
@@ -96,7 +101,9 @@ Outcome repairOne(RepairArguments& arguments) {
   checkMeshUnits(arguments.units, output);
   std::vector<Stats::Stage> steps;
   Mesh mesh;
-  timeStep(steps, "load", [&] { mesh = loadMesh(arguments.mesh, arguments.format.input); });
+  MeshAttributes attributes;
+  timeStep(steps, "load",
+           [&] { mesh = loadMesh(arguments.mesh, arguments.format.input, false, &attributes); });
   arguments.units.scale = convertUnits(mesh, arguments.units, input, output);
   warnOfLengths(arguments.repair, bounds(mesh));
   testBeforeFirstUse(arguments.machine.device);
@@ -107,7 +114,7 @@ Outcome repairOne(RepairArguments& arguments) {
     ProgressLine line;
     const MachineOptions machine = withProgress(arguments.machine, line);
     timeStep(steps, "fit", [&] { grid = fitRepairGrid(mesh, arguments.grid, arguments.repair, machine); });
-    report = makeSolid(mesh, grid, arguments, line, stored, cutOff);
+    report = makeSolid(mesh, attributes, grid, arguments, line, stored, cutOff);
   }
   steps.insert(steps.end(), report.stats.stages.begin(), report.stats.stages.end());
   checkStored(stored, report.after, report.crossingAfter.pairs);
@@ -116,6 +123,7 @@ Outcome repairOne(RepairArguments& arguments) {
     printWarning(
         "the result is not watertight, or its faces do not point outwards; this is a bug, please report it");
   Json parts;
+  for (StoredMesh* each : {&stored, &cutOff}) each->options.attributes = &each->attributes;
   timeStep(steps, "write", [&] {
     if (!arguments.isSplit) return writeMesh(stored.path, stored.exact, stored.options);
     parts = Json::array();

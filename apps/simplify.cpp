@@ -63,7 +63,8 @@ Outcome simplifyOne(SimplifyArguments& arguments) {
   const std::filesystem::path input = named(arguments.mesh, arguments.format.input),
                               output = named(arguments.result, arguments.format.output);
   checkMeshUnits(arguments.units, output);
-  Mesh mesh = loadMesh(arguments.mesh, arguments.format.input);
+  MeshAttributes attributes;
+  Mesh mesh = loadMesh(arguments.mesh, arguments.format.input, false, &attributes);
   convertUnits(mesh, arguments.units, input, output);
   ProgressLine line;
   Simplified made =
@@ -72,11 +73,13 @@ Outcome simplifyOne(SimplifyArguments& arguments) {
   line.clear();
   const SimplifyReport report{made.tolerance, mesh.triangles.size(), made.mesh.triangles.size(),
                               made.deviation};
-  const StoredMesh stored = storeMesh(arguments.result, std::move(made.mesh),
-                                      {.recenter = arguments.units.recenter,
-                                       .unit = writtenUnit(arguments.units, input),
-                                       .format = arguments.format.output});
+  StoredMesh stored = storeMesh(arguments.result, std::move(made.mesh),
+                                {.recenter = arguments.units.recenter,
+                                 .unit = writtenUnit(arguments.units, input),
+                                 .format = arguments.format.output});
   checkStored(stored);
+  stored.attributes = carryAttributes(attributes, mesh, stored.exact, {});
+  stored.options.attributes = &stored.attributes;
   writeMesh(stored.path, stored.exact, stored.options);
   printCounts(report);
   printWritten(stored.path, stored.options);

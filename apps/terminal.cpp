@@ -406,12 +406,15 @@ void endIfReaderEnded(const Error& error) {
 }
 
 std::variant<Mesh, Field> loadMeshOrField(const std::filesystem::path& path, const std::string& format,
-                                          const std::string& grid, std::vector<glm::dvec3>* exact) {
-  return load(path, {.format = format, .gridName = grid, .exact = exact});
+                                          const std::string& grid, std::vector<glm::dvec3>* exact,
+                                          MeshAttributes* attributes) {
+  return load(path, {.format = format, .gridName = grid, .exact = exact, .attributes = attributes});
 }
 
-Mesh loadMesh(const std::filesystem::path& path, const std::string& format, bool allowEmpty) {
-  std::variant<Mesh, Field> read = load(path, {.format = format, .allowEmpty = allowEmpty});
+Mesh loadMesh(const std::filesystem::path& path, const std::string& format, bool allowEmpty,
+              MeshAttributes* attributes) {
+  std::variant<Mesh, Field> read =
+      load(path, {.format = format, .allowEmpty = allowEmpty, .attributes = attributes});
   if (Mesh* mesh = std::get_if<Mesh>(&read)) return std::move(*mesh);
   failKind(path, "a field, and a mesh", "mesh", ".ply");
 }

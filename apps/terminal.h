@@ -4,6 +4,7 @@
 #include <raymap/error.h>
 #include <raymap/field.h>
 #include <raymap/mesh.h>
+#include <raymap/mesh_attributes.h>
 
 #include <chrono>
 #include <condition_variable>
@@ -180,10 +181,12 @@ void endIfReaderEnded(const Error& error);
 /// `exact` receives the positions of a mesh that are rounded in it; see `ReadOptions`.
 std::variant<Mesh, Field> loadMeshOrField(const std::filesystem::path& path, const std::string& format = "",
                                           const std::string& grid = "",
-                                          std::vector<glm::dvec3>* exact = nullptr);
+                                          std::vector<glm::dvec3>* exact = nullptr,
+                                          MeshAttributes* attributes = nullptr);
 // Read one of both. Throw `Error(Usage)` that names the command which converts the other one. A mesh without
 // triangles is an error, unless `allowEmpty`.
-Mesh loadMesh(const std::filesystem::path& path, const std::string& format = "", bool allowEmpty = false);
+Mesh loadMesh(const std::filesystem::path& path, const std::string& format = "", bool allowEmpty = false,
+              MeshAttributes* attributes = nullptr);
 Field loadField(const std::filesystem::path& path, const std::string& format, const std::string& grid);
 
 }  // namespace raymap

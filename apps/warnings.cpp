@@ -60,6 +60,7 @@ std::string remedyOf(const Warning& warning) {
     case WarningCode::DrainHolesMissing:
     case WarningCode::TrianglesMissed:
     case WarningCode::FarVertices:
+    case WarningCode::AttributesLost:
     case WarningCode::PartFile:
       break;
   }

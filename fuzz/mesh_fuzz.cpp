@@ -1,4 +1,4 @@
-// Checks that any bytes give a valid mesh or an Error.
+// Checks that any bytes give a valid mesh with attributes that fit it, or an Error.
 
 #include <raymap/error.h>
 #include <raymap/mesh_view.h>
@@ -7,12 +7,25 @@
 #include <cstdlib>
 
 #include "io/mesh/mesh_file.h"
+#include "mesh/attribute_words.h"
+
+namespace {
+
+template <class AnyMesh>
+void check(const AnyMesh& mesh, const raymap::MeshAttributes& attributes) {
+  validate(mesh);
+  if constexpr (requires { mesh.triangles; }) validate(attributes, mesh.triangles.size());
+}
+
+}  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   try {
-    const raymap::MeshFile file{std::as_bytes(std::span(data, size)), "/nonexistent/mesh",
-                                [](const raymap::Warning&) {}};
-    validate(raymap::RAYMAP_READER(file));
+    raymap::MeshAttributes attributes;
+    raymap::MeshFile file{std::as_bytes(std::span(data, size)), "/nonexistent/mesh",
+                          [](const raymap::Warning&) {}};
+    file.attributes = &attributes;
+    check(raymap::RAYMAP_READER(file), attributes);
   } catch (const raymap::Error& error) {
     if (std::string_view(error.what()).empty()) std::abort();
   }

@@ -3,6 +3,7 @@
 #include <raymap/animation.h>
 #include <raymap/callbacks.h>
 #include <raymap/field.h>
+#include <raymap/mesh_attributes.h>
 #include <raymap/mesh_view.h>
 #include <raymap/narrow_band.h>
 #include <raymap/query.h>
@@ -43,6 +44,8 @@ struct ReadOptions {
   /// Receives all positions of a mesh in double precision, if the returned mesh rounds any; else it is
   /// emptied.
   std::vector<glm::dvec3>* exact = nullptr;
+  /// Receives what the mesh file says beside positions and triangles.
+  MeshAttributes* attributes = nullptr;
 };
 
 /// Reads OBJ, PLY, STL, OFF, glTF/GLB, 3MF, FBX or DAE. The extension decides which; text and binary STL
@@ -66,17 +69,19 @@ struct MeshWriteOptions {
   glm::dvec3 offset{0.0};  ///< Subtracted from every position. Unless it is 0, the file notes it.
   LengthUnit unit = LengthUnit::Millimetre;  ///< Unit that a .3mf states for the mesh's lengths.
   std::string_view format = {};  ///< Extension that is used where the path has none that is known.
-  WarningCallback warn = {};     ///< Called if the format moves vertices.
+  WarningCallback warn = {};     ///< Called if the format moves vertices or has no place for attributes.
+  const MeshAttributes* attributes = nullptr;  ///< Attributes of the mesh, as far as the format has them.
 };
 
 /// Writes .ply (binary), .obj, .stl (binary), .glb or .3mf by extension. The file appears whole or not at
 /// all. An STL has single precision and no shared vertices; a .glb has single precision about an origin. The
 /// other formats keep every position, also those of a view in double precision.
-/// Warns if single precision moves a vertex by more than 1e-5 of the longest side of the mesh's bounds.
-/// A .3mf joins equal positions if no triangles share a vertex (as those of an STL), leaves out triangles
-/// that name a vertex twice, as its standard demands; its title is the file's name. Throws `Error`: Usage for
-/// another extension or an offset that is not finite, Input (see `validate`), File, Unsupported if the format
-/// cannot hold so many triangles.
+/// Warns if single precision moves a vertex by more than 1e-5 of the longest side of the mesh's bounds, and
+/// of attributes that are not in the file: an .obj holds all, a .ply colours and texture coordinates of
+/// vertices. A .3mf joins equal positions if no triangles share a vertex (as those of an STL), leaves out
+/// triangles that name a vertex twice, as its standard demands; its title is the file's name. Throws `Error`:
+/// Usage for another extension or an offset that is not finite, Input (see `validate`), File, Unsupported if
+/// the format cannot hold so many triangles.
 RAYMAP_API void writeMesh(const std::filesystem::path& path, const MeshView& mesh,
                           const MeshWriteOptions& options = {});
 

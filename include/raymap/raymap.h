@@ -19,6 +19,7 @@
 #include <raymap/machine.h>
 #include <raymap/memory.h>
 #include <raymap/mesh.h>
+#include <raymap/mesh_attributes.h>
 #include <raymap/mesh_thickness.h>
 #include <raymap/mesh_view.h>
 #include <raymap/names.h>

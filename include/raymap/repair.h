@@ -178,7 +178,11 @@ struct RepairReport {
 struct Repaired {
   Mesh mesh = {};
   RepairReport report = {};
+  /// Given triangle that each triangle of `mesh` is, or is a part of; `kNoTriangle` for those that were
+  /// added. Empty if the triangles were made from the field or simplified.
+  std::vector<uint32_t> faceSource = {};
   Mesh cutOff = {};  ///< The part that `RepairOptions::cutPlane` removes, closed as the result is.
+  std::vector<uint32_t> cutOffSource = {};  ///< The same as `faceSource` for `cutOff`.
 };
 
 /// A grid for a repair, and the thickness that chose the distance between its samples.

@@ -38,6 +38,8 @@ enum class WarningCode {
   LooseBodies,     ///< `count` bodies lie loose in a hollow.
   FarVertices,     ///< `count` vertices lie at least 10^9 sizes of the mesh away, the farthest by `length`:
                    ///< `file`.
+  AttributesLost,  ///< A file lacks names, materials, colours or texture coordinates of the given one:
+                   ///< `file`.
   PartFile  ///< An earlier run left a part of `file`, which this one goes on with or drops, or this one
             ///< leaves a part.
 };

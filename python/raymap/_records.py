@@ -147,6 +147,7 @@ WarningCode = Literal[
     "parts_thickened",
     "loose_bodies",
     "far_vertices",
+    "attributes_lost",
     "part_file",
 ]
 

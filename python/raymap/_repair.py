@@ -167,11 +167,25 @@ def simplify(
 
 
 @_views.shown
-class Repaired(NamedTuple):
-    """A repaired mesh, and what was done."""
-
+class _MeshAndReport(NamedTuple):
     mesh: Mesh
     report: RepairReport
+
+
+class Repaired(_MeshAndReport):
+    """A repaired mesh, and what was done: ``mesh, report = raymap.repair(...)``."""
+
+    face_source: npt.NDArray[np.uint32]
+    """Given face that each face of the mesh is, or is a part of; ``raymap.NO_TRIANGLE`` for those that were added. Empty if
+    all faces were made anew or simplified."""
+
+    def __new__(cls, mesh: Mesh, report: RepairReport, face_source: npt.NDArray[np.uint32]) -> Repaired:
+        self = super().__new__(cls, mesh, report)
+        self.face_source = face_source
+        return self
+
+    def __getnewargs__(self) -> tuple[Any, ...]:
+        return (*self, self.face_source)
 
 
 def repair(
@@ -255,8 +269,8 @@ def repair(
     _check_triangles(triangles, tolerance)
     options = core_options(given)
     with reporting(progress) as report:
-        result, found = _raymap.repair(mesh, options, report)
-    return Repaired(mesh_of_core(result), found)  # type: ignore[arg-type]
+        result, found, sources = _raymap.repair(mesh, options, report)
+    return Repaired(mesh_of_core(result), found, sources)
 
 
 def isosurface(

@@ -33,13 +33,16 @@ class Records(list[Record]):
 
 def shown(kind: type[_Tuple]) -> type[_Tuple]:
     """Decorates a class of named tuples that shows as a table below its name."""
-    names, title = list(kind.__annotations__), f"raymap.{kind.__name__}"
+    names = list(kind.__annotations__)
+
+    def title(result: Any) -> str:
+        return f"raymap.{type(result).__name__}"
 
     def values(result: Any) -> dict[str, Any]:
         return dict(zip(names, result, strict=True))
 
-    kind.__repr__ = lambda self: f"{title}\n{_table(values(self))}"  # type: ignore[method-assign]
-    setattr(kind, "_repr_html_", lambda self: html_table(title, values(self)))
+    kind.__repr__ = lambda self: f"{title(self)}\n{_table(values(self))}"  # type: ignore[method-assign]
+    setattr(kind, "_repr_html_", lambda self: html_table(title(self), values(self)))
     return kind
 
 

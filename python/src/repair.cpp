@@ -9,9 +9,8 @@ namespace raymap::python {
 
 namespace {
 
-/// Returns the mesh and the report.
-std::pair<std::shared_ptr<MeshHandle>, nb::dict> repairMesh(const MeshHandle& mesh, const AllOptions& options,
-                                                            nb::object progress) {
+/// Returns the mesh, the report and the sources of faces.
+nb::tuple repairMesh(const MeshHandle& mesh, const AllOptions& options, nb::object progress) {
   Call call(std::move(progress));
   Repaired result;
   call.run([&] {
@@ -22,7 +21,9 @@ std::pair<std::shared_ptr<MeshHandle>, nb::dict> repairMesh(const MeshHandle& me
     field.closeHoles = false;  // `RepairOptions::closeHoles` has the same name.
     result = repair(mesh.view, grid, field, options.repair, machine);
   });
-  return {own(std::move(result.mesh)), toPython(result.report)};
+  const size_t faces = result.faceSource.size();
+  return nb::make_tuple(own(std::move(result.mesh)), toPython(result.report),
+                        toArray<uint32_t>(std::move(result.faceSource), {faces}));
 }
 
 }  // namespace

@@ -288,6 +288,17 @@ def test_repair_is_that_of_the_command_line(ball, run_raymap):
     np.testing.assert_allclose(directions, [[0, -1, 0], [0, 1, 0]], atol=1e-12)
 
 
+def test_repair_tells_where_faces_come_from(ball):
+    open_ball = raymap.Mesh(ball.vertices, np.delete(ball.faces, 5, axis=0))
+    result = raymap.repair(open_ball, device="cpu")
+    assert result.report["depth"] == "mended" and result.face_source.dtype == np.uint32
+    np.testing.assert_array_equal(result.face_source[:-1], np.arange(len(open_ball.faces)))
+    assert result.face_source[-1] == raymap.NO_TRIANGLE and len(result.face_source) == len(result.mesh.faces)
+    mesh, report = result
+    assert mesh is result.mesh and repr(result).startswith("raymap.Repaired\nmesh")
+    assert len(raymap.repair(ball, resolution=32, remesh=True, device="cpu").face_source) == 0
+
+
 def test_repair_keeps_what_is_right(ball):
     kept = raymap.repair(ball)
     assert kept.report["depth"] == "as_given" and kept.report["solids"] == 1 and kept.report["cavities"] == 0

@@ -188,13 +188,14 @@ struct Names<WarningCode> {
                                       WarningCode::PartsThickened,
                                       WarningCode::LooseBodies,
                                       WarningCode::FarVertices,
+                                      WarningCode::AttributesLost,
                                       WarningCode::PartFile};
-  static constexpr std::array<std::string_view, 24> kNames{
-      "file_content",        "rounding",         "device_refused",  "device_failed",  "orientation_misfit",
-      "parts_inside_out",    "box_reached",      "solid_lost",      "surface_lost",   "parts_dropped",
-      "parts_kept",          "parts_buried",     "cavities_filled", "hollows_filled", "no_hollow",
-      "drain_holes_missing", "triangles_missed", "nothing_inside",  "sheet",          "bounds_left",
-      "parts_thickened",     "loose_bodies",     "far_vertices",    "part_file"};
+  static constexpr std::array<std::string_view, 25> kNames{
+      "file_content",        "rounding",         "device_refused",  "device_failed",   "orientation_misfit",
+      "parts_inside_out",    "box_reached",      "solid_lost",      "surface_lost",    "parts_dropped",
+      "parts_kept",          "parts_buried",     "cavities_filled", "hollows_filled",  "no_hollow",
+      "drain_holes_missing", "triangles_missed", "nothing_inside",  "sheet",           "bounds_left",
+      "parts_thickened",     "loose_bodies",     "far_vertices",    "attributes_lost", "part_file"};
 };
 
 template <class Enum>

@@ -58,6 +58,8 @@ Mesh readMeshAs(const SourceFile& source, std::string_view name, const ReadOptio
   const auto* format = std::ranges::find(kFormats, name, &Format::extension);
   if (format == kFormats.end()) failFormat(source);
   MeshFile file{{}, source.path(), options.warn, source.folder(), options.allowEmpty, options.exact};
+  file.attributes = options.attributes;
+  if (file.attributes) *file.attributes = {};
   try {
     if (!format->read) return importMesh(source, format->extension, file);
     const Buffer<std::byte> bytes = loadFile(source);

@@ -10,6 +10,7 @@
 #include "io/3mf/write_3mf.h"
 #include "io/file_format.h"
 #include "io/mesh/mesh_formats.h"
+#include "io/mesh/named_objects.h"
 #include "mesh/model.h"
 #include "mesh/strided_mesh.h"
 
@@ -22,12 +23,15 @@ struct MeshFormat {
   /// Null for 3MF, which has a unit and a title.
   void (*write)(std::ostream& out, const WritableMesh& mesh, const glm::dvec3& offset);
   Precision precision;
+  AttributeKinds held = {};  ///< Attributes that it has a place for.
 };
 
 constexpr std::array kMeshFormats{
-    MeshFormat{".ply", writePly, Precision::Double}, MeshFormat{".obj", writeObj, Precision::Double},
-    MeshFormat{".stl", writeStl, Precision::Single}, MeshFormat{".glb", writeGlb, Precision::Origin},
-    MeshFormat{".3mf", nullptr, Precision::Double}};
+    MeshFormat{".ply", writePly, Precision::Double, {.uvs = true, .colours = true}},
+    MeshFormat{".obj", writeObj, Precision::Double, {true, true, true, true}},
+    MeshFormat{".stl", writeStl, Precision::Single},
+    MeshFormat{".glb", writeGlb, Precision::Origin, {.parts = true}},
+    MeshFormat{".3mf", nullptr, Precision::Double, {.parts = true}}};
 
 const MeshFormat& formatFor(const std::filesystem::path& path, std::string_view given) {
   const auto* format = std::ranges::find(kMeshFormats, formatOf(path, given, writableMeshExtensions()),
@@ -86,12 +90,73 @@ void warnOfShift(const std::filesystem::path& path, const WritableMesh& mesh, co
         {.file = path.string(), .share = shift / size, .length = shift}});
 }
 
+/// Returns values of corners by vertex.
+template <class Value>
+VertexValues vertexValues(const CornerValues<Value>& given, const PackedMesh& mesh) {
+  VertexValues found;
+  if (given.corners.empty()) return found;
+  found.ids.assign(mesh.vertices.size(), kNoAttribute);
+  for (size_t f = 0; f < mesh.triangles.size(); ++f)
+    for (int c = 0; c < 3; ++c) {
+      const uint32_t id = given.corners[f][c];
+      uint32_t& first = found.ids[mesh.triangles[f][c]];
+      if (id == kNoAttribute) continue;
+      if (first == kNoAttribute) first = id;
+      found.differ = found.differ || given.values[id] != given.values[first];
+    }
+  return found;
+}
+
+/// Returns "a, b and c".
+std::string listed(const std::vector<std::string>& words) {
+  std::string text;
+  for (size_t w = 0; w < words.size(); ++w)
+    text += (w == 0 ? "" : w + 1 < words.size() ? ", " : " and ") + words[w];
+  return text;
+}
+
+/// Warns of attributes that the file lacks.
+void warnOfAttributes(const std::filesystem::path& path, const WritableMesh& mesh, const MeshFormat& format,
+                      const WarningCallback& warn) {
+  if (!warn) return;
+  const MeshAttributes& attributes = *mesh.attributes;
+  const AttributeKinds& held = format.held;
+  const bool isObj =
+      format.write == writeObj;  // It has texture coordinates at corners, and parts of any faces.
+  std::vector<std::string> lost =
+      describe(attributes, {.parts = !isObj && (!held.parts || mesh.partOf.empty()),
+                            .materials = !held.materials,
+                            .uvs = !isObj && (!held.uvs || mesh.uvs.differ),
+                            .colours = !held.colours});
+  const std::string kept = listed(lost);
+  if (held.colours && mesh.colours.differ) lost.emplace_back("colours that differ at a vertex");
+  lost.insert(lost.end(), attributes.lost.begin(), attributes.lost.end());
+  if (lost.empty()) return;
+  const std::string all = listed(lost);
+  warn({WarningCode::AttributesLost,
+        path.string() + ": it lacks what the given mesh has: " + all +
+            (kept.empty() ? "" : "; an .obj keeps " + (kept == all ? "them" : kept)),
+        {.file = path.string()}});
+}
+
+/// Checks that attributes fit the mesh, and arranges them as the format has them.
+void addAttributes(const MeshAttributes* attributes, const MeshFormat& format, WritableMesh& mesh) {
+  if (!attributes) return;
+  validate(*attributes, mesh.triangles.size());
+  mesh.attributes = attributes;
+  if (format.held.uvs) mesh.uvs = vertexValues(attributes->uvs, mesh);
+  if (format.held.colours) mesh.colours = vertexValues(attributes->colours, mesh);
+  if (format.held.parts && format.write != writeObj) mesh.partOf = separateParts(mesh);
+}
+
 }  // namespace
 
 void writeMesh(const std::filesystem::path& path, const MeshView& view, const MeshWriteOptions& options) {
   const MeshFormat& format = formatFor(path, options.format);
   Model model;
-  const WritableMesh mesh = moved(view, options.offset, model);
+  WritableMesh mesh = moved(view, options.offset, model);
+  addAttributes(options.attributes, format, mesh);
+  mesh.folder = path.parent_path();
   if (format.precision == Precision::Single) warnOfShift(path, mesh, options.warn);
   try {
     writeAtomically(path, [&](std::ostream& out) {
@@ -106,6 +171,7 @@ void writeMesh(const std::filesystem::path& path, const MeshView& view, const Me
     if (error.code() != ErrorCode::Unsupported) throw;
     throw Error(error.code(), path.string() + ": " + error.what());
   }
+  if (mesh.attributes) warnOfAttributes(path, mesh, format, options.warn);
 }
 
 Mesh asStored(const std::filesystem::path& path, const MeshView& view, const MeshWriteOptions& options) {

@@ -15,7 +15,7 @@ namespace raymap {
 struct Polygons::Cuts {
   std::vector<uint32_t> fans;
   std::vector<size_t> ends;  ///< Where the triangles of each end.
-  std::vector<glm::uvec3> triangles;
+  std::vector<glm::uvec3> triangles, corners;
   size_t uncut = 0;
 };
 
@@ -34,6 +34,10 @@ void Polygons::add(std::span<const uint32_t> corners) {
   if (corners.size() > 3 && triangles.size() + corners.size() < UINT32_MAX)
     fans_.push_back({static_cast<uint32_t>(triangles.size()), static_cast<uint32_t>(corners.size())});
   for (size_t c = 2; c < corners.size(); ++c) triangles.emplace_back(corners[0], corners[c - 1], corners[c]);
+  const auto first = static_cast<uint32_t>(cornerCount_), count = static_cast<uint32_t>(corners.size());
+  for (uint32_t c = 2; isTracking_ && c < count; ++c)
+    cornerNumbers.emplace_back(first, first + c - 1, first + c);
+  cornerCount_ += corners.size();
 }
 
 template <class Vec>
@@ -49,31 +53,33 @@ void Polygons::cutFan(size_t fan, const std::vector<Vec>& positions, Cuts& cuts)
     cuts.triangles.resize(begin);
     return;
   }
+  for (size_t t = begin; isTracking_ && t < cuts.triangles.size(); ++t)
+    cuts.corners.push_back(cuts.triangles[t] + cornerNumbers[fans_[fan].first].x);
   for (size_t t = begin; t < cuts.triangles.size(); ++t)
     for (int c = 0; c < 3; ++c) cuts.triangles[t][c] = vertexOf(first, cuts.triangles[t][c]);
   cuts.fans.push_back(static_cast<uint32_t>(fan));
   cuts.ends.push_back(cuts.triangles.size());
 }
 
-void Polygons::replace(std::span<const Cuts> parts) {
+void Polygons::replace(std::span<const Cuts> parts, std::vector<glm::uvec3> Cuts::*cut,
+                       std::vector<glm::uvec3>& fans) const {
   std::vector<glm::uvec3> all;
-  all.reserve(triangles.size());
-  auto kept = triangles.begin();
+  all.reserve(fans.size());
+  auto kept = fans.begin();
   for (const Cuts& part : parts) {
-    auto begin = part.triangles.begin();
+    auto begin = (part.*cut).begin();
     for (size_t i = 0; i < part.fans.size(); ++i) {
       const Fan& fan = fans_[part.fans[i]];
-      const auto first = triangles.begin() + fan.first;
-      const auto end = part.triangles.begin() + static_cast<ptrdiff_t>(part.ends[i]);
+      const auto first = fans.begin() + fan.first;
+      const auto end = (part.*cut).begin() + static_cast<ptrdiff_t>(part.ends[i]);
       all.insert(all.end(), kept, first);
       all.insert(all.end(), begin, end);
       kept = first + (fan.corners - 2);
       begin = end;
     }
   }
-  all.insert(all.end(), kept, triangles.end());
-  triangles = std::move(all);
-  fans_.clear();
+  all.insert(all.end(), kept, fans.end());
+  fans = std::move(all);
 }
 
 template <class Vec>
@@ -86,7 +92,11 @@ size_t Polygons::cut(const std::vector<Vec>& positions) {
   });
   size_t uncut = 0;
   for (const Cuts& part : parts) uncut += part.uncut;
-  if (std::ranges::any_of(parts, [](const Cuts& part) { return !part.fans.empty(); })) replace(parts);
+  if (std::ranges::any_of(parts, [](const Cuts& part) { return !part.fans.empty(); })) {
+    replace(parts, &Cuts::triangles, triangles);
+    if (isTracking_) replace(parts, &Cuts::corners, cornerNumbers);
+  }
+  fans_.clear();
   return uncut;
 }
 

@@ -12,6 +12,9 @@ namespace raymap {
 class Polygons {
  public:
   void reserve(size_t polygons) { triangles.reserve(polygons); }
+  /// Numbers the corners of all polygons from 0 on, to fill `cornerNumbers`. To be called before any is
+  /// added.
+  void trackCorners() { isTracking_ = true; }
   /// Appends a polygon as a fan of triangles around its first corner. Fewer than three corners are dropped.
   void add(std::span<const uint32_t> corners);
   /// Replaces the fans of polygons that they do not cover by triangles that do (see polygon.h). Returns the
@@ -22,6 +25,7 @@ class Polygons {
   size_t dropped() const { return dropped_; }
 
   std::vector<glm::uvec3> triangles;
+  std::vector<glm::uvec3> cornerNumbers;  ///< The triangles by the numbers of corners.
 
  private:
   struct Fan {
@@ -32,10 +36,12 @@ class Polygons {
 
   template <class Vec>
   void cutFan(size_t fan, const std::vector<Vec>& positions, Cuts& cuts) const;
-  void replace(std::span<const Cuts> parts);
+  void replace(std::span<const Cuts> parts, std::vector<glm::uvec3> Cuts::*cut,
+               std::vector<glm::uvec3>& fans) const;
 
   std::vector<Fan> fans_;  // Those of more than one triangle.
-  size_t dropped_ = 0;
+  size_t dropped_ = 0, cornerCount_ = 0;
+  bool isTracking_ = false;
 };
 
 }  // namespace raymap

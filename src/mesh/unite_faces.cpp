@@ -297,7 +297,7 @@ std::optional<UnitedFaces> uniteFaces(const Model& mesh, bool mayTurn) {
     isAnyInverted = (*fronts)[p] < 0 && parts.pieces[parts.ids[cut->pieces[p].face]].isCavity();
   const auto isInside = [&](int number) { return number > 0 || (isAnyInverted && number < 0); };
   std::vector<glm::uvec3> kept;
-  std::vector<uint32_t> turned;
+  std::vector<uint32_t> sources, turned;
   double volume = 0.0, area = 0.0, buried = 0.0;
   for (size_t p = 0; p < fronts->size(); ++p) {
     auto [corners, face, layers, isTurned] = cut->pieces[p];
@@ -312,12 +312,17 @@ std::optional<UnitedFaces> uniteFaces(const Model& mesh, bool mayTurn) {
       turned.push_back(face);
     }
     kept.push_back(corners);
+    sources.push_back(face);
     volume += glm::dot(at(corners.x), glm::cross(at(corners.y), at(corners.z))) / 6.0;
   }
   std::ranges::sort(turned);
   turned.erase(std::unique(turned.begin(), turned.end()), turned.end());
-  return UnitedFaces{meshOf(mesh, lattice, *cut, kept), size_t(std::ranges::count(cut->isCut, true)), volume,
-                     area > 0.0 ? buried / area : 0.0, std::move(turned)};
+  return UnitedFaces{meshOf(mesh, lattice, *cut, kept),
+                     size_t(std::ranges::count(cut->isCut, true)),
+                     volume,
+                     area > 0.0 ? buried / area : 0.0,
+                     std::move(sources),
+                     std::move(turned)};
 }
 
 }  // namespace raymap

@@ -17,7 +17,8 @@ struct UnitedFaces {
   size_t cutFaces = 0;       ///< Number of faces of the given mesh that were cut.
   double volume = 0.0;       ///< Volume of the exact union, whose vertices are not rounded yet.
   double buriedShare = 0.0;  ///< Share of the pieces' area that lies within the union.
-  std::vector<uint32_t> turned = {};  ///< Faces that are turned, in parts inside out: ascending.
+  std::vector<uint32_t> sources = {};  ///< Given face that each face is, or is a part of.
+  std::vector<uint32_t> turned = {};   ///< Faces that are turned, in parts inside out: ascending.
 };
 
 /// Cuts the faces of a balanced mesh where they meet others, and keeps the pieces that have a winding number

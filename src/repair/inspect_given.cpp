@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <iterator>
+#include <numeric>
 #include <utility>
 #include <vector>
 
@@ -33,23 +34,31 @@ bool asksForChange(const RepairOptions& repair) {
 }
 
 /// Keeps the faces of a mesh with nothing wrong. Drops small parts only if `RepairOptions::dropSmaller` is
-/// set; warns of them else.
-void keep(const Model& mesh, RepairDepth depth, RepairRun& run) {
+/// set; warns of them else. `sources` has the given face of each of its first faces.
+void keep(const Model& mesh, RepairDepth depth, RepairRun& run, std::vector<uint32_t> sources) {
   const RepairOptions& options = run.options;
   RepairReport& report = run.report;
   report.depth = depth;
   run.result = weldedCopy(mesh);
+  sources.resize(mesh.triangles.size(), kNoTriangle);
+  for (uint32_t& face : sources)
+    if (face >= run.given.triangles.size()) face = kNoTriangle;
   Pieces found = findPieces(mesh);
   nestPieces(mesh, 1, found);
   const Choice choice = choosePieces(found, options, true, report);
   if (options.dropSmaller) {
-    if (choice.count > 0) dropFrom(run.result, found, choice);
+    if (choice.count > 0) {
+      size_t face = 0;
+      std::erase_if(sources, [&](uint32_t) { return choice.isDropped[found.ids[face++]]; });
+      dropFrom(run.result, found, choice);
+    }
   } else {
     warnOfKept(report, run.machine.warn);
     report.dropped = {};
     report.dropSmaller = 0.0;
   }
   requireParts(run.result);
+  run.repaired.faceSource = std::move(sources);
   if (options.triangles > 0 ? options.triangles < run.result.triangles.size()
                             : options.tolerance.value_or(0.0) > 0.0)
     simplifyResult(run, 0.0, 0.0);
@@ -69,13 +78,13 @@ void keepCleaned(const Model& mesh, RepairRun& run) {
   if (!crossesNowhere(crossing)) return;
   if (looksRight(found)) {
     if (!isRight(arrangeParts(clean, found, crossing))) return;
-    keep(clean, RepairDepth::Mended, run);
+    keep(clean, RepairDepth::Mended, run, cleaned.given);
   } else {
     Mended& mended = run.mended;
     mended = mend(clean, found, crossing, run.fieldOptions.orientation, run.options, true);
     if (!mended.isRight) return void(mended = {});
-    for (uint32_t& face : mended.turned) face = cleaned.given[face];
-    keep(Model(mended.mesh), RepairDepth::Mended, run);
+    mended.turned = facesOf(mended.turned, cleaned.given);
+    keep(Model(mended.mesh), RepairDepth::Mended, run, cleaned.given);
   }
   run.report.cleanedFaces = cleaned.count;
 }
@@ -91,7 +100,7 @@ void keepUnited(RepairRun& run) {
   std::ranges::set_symmetric_difference(run.mended.turned, united.turned, std::back_inserter(turned));
   std::erase_if(turned, [&](uint32_t face) { return face >= run.given.triangles.size(); });
   run.mended.turned = std::move(turned);
-  keep(Model(united.mesh), RepairDepth::Mended, run);
+  keep(Model(united.mesh), RepairDepth::Mended, run, std::move(united.sources));
   run.mended.filled = {run.mended.filled.holes + united.filled.holes,
                        run.mended.filled.faces + united.filled.faces};
   run.report.unitedFaces = united.cutFaces;
@@ -110,6 +119,8 @@ void inspectGiven(RepairRun& run) {
   RepairReport& report = run.report;
   Mended& mended = run.mended;
   const bool mayKeep = !asksForChange(options);
+  std::vector<uint32_t> given(mesh.triangles.size());
+  std::iota(given.begin(), given.end(), 0u);
   Diagnostics found;
   SelfIntersections crossing;
   Arrangement arrangement = Arrangement::Unknown;
@@ -122,12 +133,12 @@ void inspectGiven(RepairRun& run) {
   const bool isRightButParts = mayKeep && looksRight(found) && crossesNowhere(crossing);
   report.partsOverlap = isRightButParts && !isRight(arrangement);
   if (isRightButParts && !report.partsOverlap && !options.base)
-    keep(mesh, RepairDepth::AsGiven, run);
+    keep(mesh, RepairDepth::AsGiven, run, given);
   else if (mayKeep && !options.base && found.degenerateFaces + found.duplicateFaces > 0)
     keepCleaned(mesh, run);
   if (!report.keepsFaces() && (!found.watertight || !found.consistentlyOriented || options.base)) {
     mended = mend(mesh, found, crossing, run.fieldOptions.orientation, options, mayKeep);
-    if (mended.isRight) keep(Model(mended.mesh), RepairDepth::Mended, run);
+    if (mended.isRight) keep(Model(mended.mesh), RepairDepth::Mended, run, given);
   }
   if (!report.keepsFaces()) {
     if (!mayKeep)

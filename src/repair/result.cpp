@@ -63,6 +63,12 @@ void warnOfBounds(const RepairRun& run) {
        {.length = excess.length}});
 }
 
+/// Replaces faces of a solid by the given ones that they come from. There are none if no faces were kept.
+void takeSources(std::vector<uint32_t>& faces, const std::vector<uint32_t>& sources) {
+  if (sources.empty()) return faces.clear();
+  for (uint32_t& face : faces) face = face < sources.size() ? sources[face] : kNoTriangle;
+}
+
 }  // namespace
 
 void simplifyResult(RepairRun& run, double step, double tolerance) {
@@ -73,6 +79,7 @@ void simplifyResult(RepairRun& run, double step, double tolerance) {
   Simplified made =
       simplify(run.result, {.tolerance = asked, .step = step, .triangles = options.triangles}, run.machine);
   run.result = std::move(made.mesh);
+  run.repaired.faceSource.clear();
   report.tolerance = made.tolerance;
   report.trianglesAfter = run.result.triangles.size();
   report.deviation = made.deviation;
@@ -92,8 +99,13 @@ void inspectResult(RepairRun& run) {
 
 void cutResult(RepairRun& run) {
   const Plane& plane = *run.options.cutPlane;
-  Mesh kept = cutAway(run.result, plane);
-  run.repaired.cutOff = cutAway(run.result, {-plane.normal, -plane.offset});
+  Repaired& repaired = run.repaired;
+  std::vector<uint32_t> sources;
+  Mesh kept = cutAway(run.result, plane, sources);
+  repaired.cutOff = cutAway(run.result, {-plane.normal, -plane.offset}, repaired.cutOffSource);
+  takeSources(repaired.cutOffSource, repaired.faceSource);
+  takeSources(sources, repaired.faceSource);
+  repaired.faceSource = std::move(sources);
   run.result = std::move(kept);
   if (run.options.roundResult) run.options.roundResult(run.result);
   if (run.options.measure || run.report.keepsFaces()) return inspectResult(run);

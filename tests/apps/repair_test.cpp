@@ -23,6 +23,42 @@ TEST_F(CliRepair, NamesTheFlagThatKeepsWhatIsLost) {
   EXPECT_EQ(text, "raymap: warning: " + warning["message"].get<std::string>() + flag);
 }
 
+TEST_F(CliRepair, KeepsAttributesOfFacesThatStay) {
+  std::ofstream(path("two.obj")) << "mtllib two.mtl\no one\nusemtl red\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\n"
+                                    "vt 0 0\nvt 1 0\nvt 0 1\nf 1/1 3/2 2/3\nf 1/1 2/2 4/3\nf 1/1 3/3 4/2\n"
+                                    "o two\nusemtl blue\nv 5 0 0\nv 6 0 0\nv 5 1 0\nv 5 0 1\n"
+                                    "f 5/1 7/2 6/3\nf 5/1 6/2 8/3\nf 5/1 8/3 7/2\nf 6/1 7/2 8/3\n";
+  fs::create_directory(path("out"));
+  succeed("repair two.obj -o out/two.obj");  // One face is turned, one is added.
+  const std::string text = readBytes(path("out/two.obj"));
+  EXPECT_NE(text.find("mtllib ../two.mtl\n"), std::string::npos) << text;
+  EXPECT_NE(text.find("o one\nusemtl red\nf 1/1 3/2 2/3\nf 1/1 2/2 4/3\nf 1/1 4/2 3/3\no two\nusemtl blue\n"),
+            std::string::npos)
+      << text;
+  EXPECT_TRUE(text.ends_with("f 6/1 7/2 8/3\no added\nusemtl added\nf 2 3 4\n")) << text;
+  const auto warningOf = [&](const std::string& arguments) {
+    const Result result = runQuietly(arguments);
+    EXPECT_EQ(result.code, 0) << result.err;
+    return result.err;
+  };
+  EXPECT_EQ(
+      warningOf("repair two.obj -o two.3mf"),
+      "raymap: warning: two.3mf: it lacks what the given mesh has: 2 materials and texture coordinates; an "
+      ".obj keeps them\n");
+  const std::string all =
+      ": it lacks what the given mesh has: 2 part names, 2 materials and texture coordinates";
+  EXPECT_EQ(warningOf("repair two.obj -o two.stl"),
+            "raymap: warning: two.stl" + all + "; an .obj keeps them\n");
+  EXPECT_EQ(warningOf("repair two.obj -o field.obj --remesh --resolution 32 --device cpu"),
+            "raymap: warning: field.obj" + all + "\n");
+  EXPECT_EQ(
+      warningOf("convert two.obj -o part.stl --split"),
+      "raymap: warning: part_1.stl: it lacks what the given mesh has: 1 material and texture coordinates; an "
+      ".obj keeps them\n");
+  succeed("convert two.3mf again.obj");
+  EXPECT_NE(readBytes(path("again.obj")).find("o two\n"), std::string::npos);
+}
+
 TEST_F(CliRepair, RepairsAMesh) {
   Mesh mesh = shapes::torus(2.0, 0.7, 60, 40);
   mesh.triangles.pop_back();

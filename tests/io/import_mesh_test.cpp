@@ -175,7 +175,7 @@ TEST(ImportMesh, SurvivesWhateverTheImporterDoes) {
   {
     // A header that announces 2^56 vertices.
     const InPlaceOfTheImporter liar(
-        R"(printf 'RMI7\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\001\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0')");
+        R"(printf 'RMI8\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\001\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0' && head -c 32 /dev/zero)");
     EXPECT_TRUE(contains(errorAs(".dae", ""), "more than 2^32 triangles or vertices"));
   }
   setenv("RAYMAP_IMPORT", "/nonexistent/importer", 1);

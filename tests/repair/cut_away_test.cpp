@@ -41,6 +41,11 @@ double areaIn(const Mesh& mesh, const Plane& plane) {
   return area;
 }
 
+Mesh cutAway(const Mesh& solid, const Plane& plane) {
+  std::vector<uint32_t> sources;
+  return cutAway(solid, plane, sources);
+}
+
 /// Expects two sound halves that make up the solid, with new faces of this area in the plane on each.
 void expectHalves(const Mesh& solid, const Plane& plane, double cap) {
   const Mesh below = cutAway(solid, plane), above = cutAway(solid, reversed(plane));

@@ -162,10 +162,19 @@ class Reader : public XmlHandler {
     if (!isNew) fail("there are two objects with the id " + std::to_string(id_));
     object_ = &place->second;
     if (const auto type = attributes.find("type")) object_->type = trimmed(*type);
+    object_->name = trimmed(attributes.find("name").value_or(""));
+    noteColours(attributes);
     constexpr std::array<std::string_view, 5> kTypes{"model", "surface", "support", "solidsupport", "other"};
     if (std::ranges::find(kTypes, object_->type) == kTypes.end())
       fail("the type of object " + std::to_string(id_) + " is " + excerpt(object_->type) +
            "; 3MF knows model, surface, support, solidsupport and other");
+  }
+
+  /// Notes a property, which is a material or a colour, and paints of slicers.
+  void noteColours(const XmlAttributes& attributes) {
+    if (model_.hasColours || !parts_.file().attributes) return;
+    model_.hasColours = attributes.find("pid") || attributes.find("paint_color") ||
+                        attributes.find("mmu_segmentation", "http://schemas.slic3r.org/3mf/2017/06");
   }
 
   void readVertex(const XmlAttributes& attributes) {
@@ -199,6 +208,7 @@ class Reader : public XmlHandler {
                         counted(object_->vertices.size(), "vertex"));
       triangle[corner] = *vertex;
     }
+    noteColours(attributes);
     if (object_->triangles.size() == object_->triangles.capacity())
       checkGrowth(sizeof(glm::uvec3), object_->triangles.size());
     object_->triangles.push_back(triangle);

@@ -26,7 +26,7 @@ enum class PartUse : uint8_t { Print, CutOut, Modify, BlockSupport, EnforceSuppo
 using PartCounts = std::array<size_t, 5>;
 
 struct Object3mf {
-  std::string type = "model";
+  std::string type = "model", name;
   std::vector<glm::dvec3> vertices;  ///< In millimetres.
   std::vector<glm::uvec3> triangles;
   std::vector<Placement3mf> components;
@@ -38,6 +38,7 @@ struct ModelPart3mf {
   std::string unit = "millimeter";
   std::map<uint32_t, Object3mf> objects;
   std::vector<Placement3mf> items;
+  bool hasColours = false;    ///< Whether it gives triangles properties or paints; only known if asked for.
   size_t unprintedItems = 0;  ///< Number of items with printable="0", which are left out.
 };
 

@@ -11,6 +11,7 @@
 #include "io/3mf/slicer_parts.h"
 #include "io/3mf/units.h"
 #include "io/3mf/xml_parser.h"
+#include "mesh/attribute_words.h"
 
 namespace raymap {
 
@@ -67,9 +68,13 @@ class Scene3mf {
     warnOfRest(root);
     positions_.reserve(all.vertices);
     triangles_.reserve(all.triangles);
-    for (const Placement3mf& item : root.items) append(item, glm::dmat4(1.0));
+    for (const Placement3mf& item : root.items) append(item, glm::dmat4(1.0), "");
     if (triangles_.empty() && !parts_.file().allowEmpty)
       parts_.file().fail(root_ + ": its build places no triangles");
+    if (MeshAttributes* attributes = parts_.file().attributes) {
+      const auto hasColours = [](const auto& model) { return model.second.hasColours; };
+      if (std::ranges::any_of(models_, hasColours)) attributes->lost.emplace_back("materials or colours");
+    }
     models_.clear();
     return finishMesh(parts_.file(), std::move(positions_), std::move(triangles_));
   }
@@ -150,7 +155,16 @@ class Scene3mf {
                       "(a mesh boolean, or its export as STL), or delete the part there");
   }
 
-  void append(const Placement3mf& placed, const glm::dmat4& parent) {
+  /// Gives the triangles that have none yet a name.
+  void addPart(const std::string& name) {
+    if (!parts_.file().attributes) return;
+    MeshAttributes& found = *parts_.file().attributes;
+    found.partOf.resize(triangles_.size(), name.empty() ? kNoAttribute : uint32_t(found.parts.size()));
+    found.parts.push_back({name});
+  }
+
+  /// `owner` is the name of the object that holds this one, for those without a name.
+  void append(const Placement3mf& placed, const glm::dmat4& parent, const std::string& owner) {
     const Node& node = nodes_.at({placed.part, placed.object});
     if (node.triangles == 0) return;
     const glm::dmat4 transform = parent * glm::dmat4(placed.transform);
@@ -162,7 +176,9 @@ class Scene3mf {
       if (isMirrored) std::swap(triangle.y, triangle.z);
       triangles_.push_back(triangle + first);
     }
-    for (const Placement3mf& component : node.object->components) append(component, transform);
+    const std::string& name = node.object->name.empty() ? owner : node.object->name;
+    if (!node.object->triangles.empty()) addPart(name);
+    for (const Placement3mf& component : node.object->components) append(component, transform, name);
   }
 
   void warnOfUnit() const {

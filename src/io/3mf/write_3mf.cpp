@@ -13,6 +13,7 @@
 
 #include "base/text.h"
 #include "io/3mf/units.h"
+#include "io/mesh/named_objects.h"
 #include "io/zip/zip_writer.h"
 #include "mesh/compact.h"
 #include "mesh/weld.h"
@@ -31,7 +32,7 @@ size_t characterBytes(std::string_view text) {
   return code >= 0x20 && code != 0x7f && (code & 0xfffeU) != 0xfffe ? bytes : 0;
 }
 
-/// Returns a text as the content of an XML element.
+/// Returns a text as the content of an XML element or as a value in quotes.
 std::string xmlText(std::string_view text) {
   std::string xml;
   while (!text.empty()) {
@@ -39,8 +40,8 @@ std::string xmlText(std::string_view text) {
     const char first = text[0];
     if (bytes == 0)
       xml += '?';
-    else if (first == '&' || first == '<' || first == '>')
-      xml += first == '&' ? "&amp;" : first == '<' ? "&lt;" : "&gt;";
+    else if (first == '&' || first == '<' || first == '>' || first == '"')
+      xml += first == '&' ? "&amp;" : first == '<' ? "&lt;" : first == '>' ? "&gt;" : "&quot;";
     else
       xml += text.substr(0, bytes);
     text.remove_prefix(std::max<size_t>(bytes, 1));
@@ -71,11 +72,11 @@ bool isSoup(const WritableMesh& mesh) {
   return true;
 }
 
-/// The part that holds the mesh, as the pieces of its text: what comes before the vertices, blocks of them,
-/// what comes before the triangles, blocks of them, and the end.
-class Model {
+/// An object, as the pieces of its text: what comes before the vertices, blocks of them, what comes before
+/// the triangles, blocks of them, and the end.
+class ObjectText {
  public:
-  Model(const WritableMesh& mesh, const About3mf& about) : mesh_(mesh), about_(about) {}
+  ObjectText(const NamedObject& object, size_t id) : mesh_(object.mesh()), name_(object.name), id_(id) {}
 
   size_t pieces() const { return trianglesAt() + blocks(mesh_.triangles.size()) + 1; }
   std::string piece(size_t i) const {
@@ -83,8 +84,7 @@ class Model {
     if (i < trianglesAt() - 1) return vertices(i - 1);
     if (i < trianglesAt()) return "</vertices>\n<triangles>\n";
     if (i < pieces() - 1) return triangles(i - trianglesAt());
-    return "</triangles>\n</mesh>\n</object>\n</resources>\n"
-           "<build>\n<item objectid=\"1\"/>\n</build>\n</model>\n";
+    return "</triangles>\n</mesh>\n</object>\n";
   }
 
  private:
@@ -93,17 +93,8 @@ class Model {
   size_t trianglesAt() const { return blocks(mesh_.vertices.size()) + 2; }
 
   std::string begin() const {
-    std::string text(kXml);
-    text += "<model unit=\"" + std::string(nameIn3mf(about_.unit)) +
-            "\" xml:lang=\"en-US\" xmlns=\"http://schemas.microsoft.com/3dmanufacturing/core/2015/02\">\n";
-    const auto metadata = [&](const char* name, const std::string& value) {
-      if (!value.empty())
-        text += "<metadata name=\"" + std::string(name) + "\">" + xmlText(value) + "</metadata>\n";
-    };
-    metadata("Title", about_.title);
-    metadata("Description", about_.description);
-    metadata("Application", std::string("raymap ") + version().text);
-    return text + "<resources>\n<object id=\"1\" type=\"model\">\n<mesh>\n<vertices>\n";
+    const std::string name = name_.empty() ? "" : " name=\"" + xmlText(name_) + "\"";
+    return "<object id=\"" + std::to_string(id_) + "\" type=\"model\"" + name + ">\n<mesh>\n<vertices>\n";
   }
 
   std::string vertices(size_t block) const {
@@ -135,12 +126,68 @@ class Model {
   }
 
   const WritableMesh& mesh_;
+  const std::string& name_;
+  size_t id_;
+};
+
+/// The part that holds all objects. Several are components of another one, which the build places.
+class ModelText {
+ public:
+  ModelText(const std::vector<NamedObject>& objects, const About3mf& about) : about_(about) {
+    for (const NamedObject& object : objects) texts_.emplace_back(object, texts_.size() + 1);
+  }
+
+  size_t pieces() const {
+    size_t count = 2;
+    for (const ObjectText& text : texts_) count += text.pieces();
+    return count;
+  }
+  std::string piece(size_t i) const {
+    if (i-- == 0) return begin();
+    for (const ObjectText& text : texts_) {
+      if (i < text.pieces()) return text.piece(i);
+      i -= text.pieces();
+    }
+    return end();
+  }
+
+ private:
+  std::string begin() const {
+    std::string text(kXml);
+    text += "<model unit=\"" + std::string(nameIn3mf(about_.unit)) +
+            "\" xml:lang=\"en-US\" xmlns=\"http://schemas.microsoft.com/3dmanufacturing/core/2015/02\">\n";
+    const auto metadata = [&](const char* name, const std::string& value) {
+      if (!value.empty())
+        text += "<metadata name=\"" + std::string(name) + "\">" + xmlText(value) + "</metadata>\n";
+    };
+    metadata("Title", about_.title);
+    metadata("Description", about_.description);
+    metadata("Application", std::string("raymap ") + version().text);
+    return text + "<resources>\n";
+  }
+
+  std::string end() const {
+    std::string text;
+    const std::string last = std::to_string(texts_.size() + (texts_.size() > 1 ? 1 : 0));
+    if (texts_.size() > 1) {
+      text += "<object id=\"" + last + "\" type=\"model\">\n<components>\n";
+      for (size_t id = 1; id <= texts_.size(); ++id)
+        text += "<component objectid=\"" + std::to_string(id) + "\"/>\n";
+      text += "</components>\n</object>\n";
+    }
+    return text + "</resources>\n<build>\n<item objectid=\"" + last + "\"/>\n</build>\n</model>\n";
+  }
+
+  std::vector<ObjectText> texts_;
   const About3mf& about_;
 };
 
-/// Writes the parts of the package.
-void writeParts(std::ostream& out, const WritableMesh& mesh, const About3mf& about) {
-  if (std::ranges::none_of(mesh.triangles, isIn3mf))
+/// Writes the parts of the package. Objects without a triangle that a 3MF can hold are left out.
+void writeParts(std::ostream& out, std::vector<NamedObject>& objects, const About3mf& about) {
+  std::erase_if(objects, [](const NamedObject& object) {
+    return std::ranges::none_of(object.mesh().triangles, isIn3mf);
+  });
+  if (objects.empty())
     throw Error(ErrorCode::Unsupported,
                 "a 3MF holds triangles of three different vertices, and this mesh has none; write a .ply");
   ZipWriter zip(out);
@@ -154,7 +201,7 @@ void writeParts(std::ostream& out, const WritableMesh& mesh, const About3mf& abo
           "<Relationships xmlns=\"http://schemas.openxmlformats.org/package/2006/relationships\">\n"
           "<Relationship Target=\"/3D/3dmodel.model\" Id=\"model\" "
           "Type=\"http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel\"/>\n</Relationships>\n");
-  const Model model(mesh, about);
+  const ModelText model(objects, about);
   zip.addDeflated("3D/3dmodel.model", model.pieces(), [&](size_t i) { return model.piece(i); });
   zip.finish();
 }
@@ -174,23 +221,26 @@ Welding weldingOf(const std::vector<glm::dvec3>& positions) {
   return welding;
 }
 
-/// Writes a mesh with one vertex for each position that vertices share.
-void writeWelded(std::ostream& out, const WritableMesh& mesh, const About3mf& about) {
-  const bool isExact = !mesh.exact.empty();
+/// Gives an object one vertex for each position that vertices share.
+void weld(NamedObject& object) {
+  const WritableMesh& mesh = object.mesh();
   std::vector<uint32_t> firsts;
-  const Mesh welded = weldedCopy(mesh, isExact ? weldingOf(mesh.exact) : weldVertices(mesh.vertices), firsts);
-  WritableMesh written{welded};
-  for (size_t k = 0; isExact && k < firsts.size(); ++k) written.exact.push_back(mesh.exact[firsts[k]]);
-  writeParts(out, written, about);
+  std::vector<glm::dvec3> exact;
+  Mesh welded =
+      weldedCopy(mesh, mesh.exact.empty() ? weldVertices(mesh.vertices) : weldingOf(mesh.exact), firsts);
+  for (size_t k = 0; !mesh.exact.empty() && k < firsts.size(); ++k) exact.push_back(mesh.exact[firsts[k]]);
+  object.part = std::move(welded);
+  object.own = WritableMesh{object.part, std::move(exact)};
+  object.whole = nullptr;
 }
 
 }  // namespace
 
 void write3mf(std::ostream& out, const WritableMesh& mesh, const About3mf& about) {
-  if (isSoup(mesh))
-    writeWelded(out, mesh, about);
-  else
-    writeParts(out, mesh, about);
+  std::vector<NamedObject> objects = namedObjects(mesh);
+  for (NamedObject& object : objects)
+    if (isSoup(object.mesh())) weld(object);
+  writeParts(out, objects, about);
 }
 
 }  // namespace raymap

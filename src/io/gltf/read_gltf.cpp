@@ -1,9 +1,11 @@
 // glTF 2.0 and GLB: the default scene with its transforms and instances. Skins and morphs stay at rest.
 
 #include <algorithm>
+#include <set>
 
 #include "io/gltf/gltf_scene.h"
 #include "io/mesh/mesh_file.h"
+#include "mesh/attribute_words.h"
 
 namespace raymap {
 
@@ -51,6 +53,7 @@ class RestReader {
   Mesh read() {
     scene_.open(sizeof(glm::dvec3));
     const std::vector<glm::dmat4> transforms = scene_.worldTransforms();
+    if (file_.attributes) noteUnread();
     for (const GltfScene::Node& node : scene_.nodes()) ++uses_[&scene_.surfaces(node)];
     for (size_t n = 0; n < transforms.size(); ++n) {
       const GltfScene::Node& node = scene_.nodes()[n];
@@ -66,12 +69,44 @@ class RestReader {
         append(mesh->second, transforms[n]);
       }
       if (--uses_[&surfaces] == 0) meshes_.erase(mesh);
+      if (file_.attributes) addPart(node);
     }
     scene_.warnOfOthers();
     return finishMesh(file_, std::move(positions_), std::move(triangles_), &origin_);
   }
 
+  /// Notes what the scene says beside the names of nodes.
+  void noteUnread() const {
+    std::set<uint64_t> materials;
+    bool hasUvs = false, hasColours = false;
+    for (const GltfScene::Node& node : scene_.nodes())
+      for (const GltfScene::Json* surface : scene_.surfaces(node).list) {
+        if (surface->contains("material")) materials.insert(scene_.document().number(*surface, "material"));
+        hasUvs = hasUvs || (*surface)["attributes"].contains("TEXCOORD_0");
+        hasColours = hasColours || (*surface)["attributes"].contains("COLOR_0");
+      }
+    std::vector<std::string>& lost = file_.attributes->lost;
+    if (!materials.empty()) lost.push_back(counted(materials.size(), "material"));
+    if (hasUvs) lost.emplace_back("texture coordinates");
+    if (hasColours) lost.emplace_back("colours");
+  }
+
  private:
+  /// Gives the triangles that have none yet the name of a node, or else of its mesh.
+  void addPart(const GltfScene::Node& node) {
+    const GltfScene::Json& mesh =
+        scene_.document().element("meshes", scene_.document().number(*node.json, "mesh"));
+    const auto nameOf = [](const GltfScene::Json& json) {
+      const auto name = json.find("name");
+      return name != json.end() && name->is_string() ? name->get<std::string>() : std::string();
+    };
+    std::string name = nameOf(*node.json);
+    if (name.empty()) name = nameOf(mesh);
+    MeshAttributes& found = *file_.attributes;
+    found.partOf.resize(triangles_.size(), name.empty() ? kNoAttribute : uint32_t(found.parts.size()));
+    found.parts.push_back({std::move(name)});
+  }
+
   void append(const LocalMesh& mesh, const glm::dmat4& transform) {
     const auto first = static_cast<uint32_t>(positions_.size());
     if (positions_.size() + mesh.positions.size() >= UINT32_MAX) file_.fail("more than 2^32 vertices");
@@ -95,7 +130,9 @@ class RestReader {
 
 Mesh readGltf(const MeshFile& file) {
   RestReader reader(file);
-  return reader.hasQuantizedSkin() ? readStandingGltf(file) : reader.read();
+  if (!reader.hasQuantizedSkin()) return reader.read();
+  if (file.attributes) reader.noteUnread();
+  return readStandingGltf(file);
 }
 
 }  // namespace raymap

@@ -1,5 +1,6 @@
 // Reads a mesh with Assimp, for `raymap-import`.
 
+#include <assimp/material.h>
 #include <assimp/scene.h>
 #include <raymap/error.h>
 
@@ -7,6 +8,7 @@
 #include <assimp/Importer.hpp>
 #include <glm/glm.hpp>
 #include <new>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -22,7 +24,8 @@ namespace {
 struct Result {
   std::vector<glm::dvec3> positions;
   std::vector<glm::uvec3> triangles;
-  uint64_t otherFaces = 0, uncutFaces = 0;
+  uint64_t otherFaces = 0, uncutFaces = 0, partNames = 0, hasUvs = 0, hasColours = 0;
+  std::set<unsigned> materials;
 };
 
 glm::dmat4 matrix(const aiMatrix4x4& m) {
@@ -73,8 +76,17 @@ void appendNodes(const aiScene& scene, Result& result) {
     const auto [node, parent] = stack.back();
     stack.pop_back();
     const glm::dmat4 transform = parent * ownTransform(*node, scene);
-    for (unsigned m = 0; m < node->mNumMeshes; ++m)
-      appendMesh(*scene.mMeshes[node->mMeshes[m]], transform, result);
+    for (unsigned m = 0; m < node->mNumMeshes; ++m) {
+      const aiMesh& mesh = *scene.mMeshes[node->mMeshes[m]];
+      appendMesh(mesh, transform, result);
+      // Assimp invents a material where there is none.
+      if (mesh.mMaterialIndex < scene.mNumMaterials &&
+          scene.mMaterials[mesh.mMaterialIndex]->GetName() != aiString(AI_DEFAULT_MATERIAL_NAME))
+        result.materials.insert(mesh.mMaterialIndex);
+      result.hasUvs |= uint64_t{mesh.HasTextureCoords(0)};
+      result.hasColours |= uint64_t{mesh.HasVertexColors(0)};
+    }
+    result.partNames += node->mNumMeshes > 0 && node->mName.length > 0 ? 1 : 0;
     for (unsigned c = node->mNumChildren; c > 0; --c) stack.emplace_back(node->mChildren[c - 1], transform);
   }
 }
@@ -110,7 +122,8 @@ void sendMesh(int file, const std::string& format) {
   appendNodes(*scene, result);
   sendSuccess("");
   const MeshHeader header{result.positions.size(), result.triangles.size(), result.otherFaces,
-                          result.uncutFaces};
+                          result.uncutFaces,       result.partNames,        result.materials.size(),
+                          result.hasUvs,           result.hasColours};
   put(&header, sizeof header);
   put(result.positions.data(), result.positions.size() * sizeof(glm::dvec3));
   put(result.triangles.data(), result.triangles.size() * sizeof(glm::uvec3));

@@ -24,6 +24,14 @@ Importer startImport(const SourceFile& source, std::string_view format, const Me
   }
 }
 
+/// Appends what the file says beside its mesh, in words.
+void noteUnread(const MeshHeader& header, std::vector<std::string>& lost) {
+  if (header.partNames > 0) lost.push_back(counted(header.partNames, "part name"));
+  if (header.materials > 0) lost.push_back(counted(header.materials, "material"));
+  if (header.hasUvs != 0) lost.emplace_back("texture coordinates");
+  if (header.hasColours != 0) lost.emplace_back("colours");
+}
+
 }  // namespace
 
 Mesh importMesh(const SourceFile& source, std::string_view format, const MeshFile& file) {
@@ -34,6 +42,7 @@ Mesh importMesh(const SourceFile& source, std::string_view format, const MeshFil
   if (header.otherFaces > 0)
     file.warnThat(std::to_string(header.otherFaces) + " points, lines or empty faces ignored");
   warnOfPolygons(file, 0, header.uncutFaces);
+  if (file.attributes) noteUnread(header, file.attributes->lost);
   if (header.vertices > UINT32_MAX || header.triangles > UINT32_MAX)
     throwUnsupported(path, "more than 2^32 triangles or vertices");
   checkMemory(file, header.vertices * sizeof(glm::dvec3) + header.triangles * sizeof(glm::uvec3));

@@ -14,7 +14,7 @@
 
 namespace raymap {
 
-inline constexpr uint32_t kImportMagic = 0x37494d52;  // RMI7
+inline constexpr uint32_t kImportMagic = 0x38494d52;  // RMI8
 
 struct ImportHeader {
   uint32_t magic = kImportMagic;
@@ -29,8 +29,10 @@ struct MeshHeader {
   uint64_t triangles = 0;
   uint64_t otherFaces = 0;  ///< Points, lines and faces without corners, which are left out.
   uint64_t uncutFaces = 0;  ///< Those that `PolygonCut::None` describes.
+  // Attributes, which are not read: named nodes with meshes, materials, and whether there are others.
+  uint64_t partNames = 0, materials = 0, hasUvs = 0, hasColours = 0;
 };
-static_assert(sizeof(MeshHeader) == 32);
+static_assert(sizeof(MeshHeader) == 64);
 
 /// Begins each mesh of a request for Draco, a file that only `raymap-import` reads. The unique numbers of the
 /// attributes (32 bits each) and the compressed bytes follow.

@@ -5,6 +5,7 @@
 #include <raymap/animation.h>
 #include <raymap/buffer.h>
 #include <raymap/callbacks.h>
+#include <raymap/mesh_attributes.h>
 
 #include <cstddef>
 #include <cstdint>
@@ -28,6 +29,7 @@ struct MeshFile {
   bool allowEmpty = false;                            ///< Whether it may have no triangles.
   std::vector<glm::dvec3>* exact = nullptr;           ///< `ReadOptions::exact`.
   uint64_t memory = mostFileBytes();                  ///< Most bytes of what it expands to.
+  MeshAttributes* attributes = nullptr;               ///< `ReadOptions::attributes`.
 
   std::string_view text() const { return {reinterpret_cast<const char*>(bytes.data()), bytes.size()}; }
   [[noreturn]] void fail(const std::string& what) const;

@@ -21,6 +21,11 @@ Mesh rounded(const WritableMesh& mesh, Precision precision) {
   return {std::move(positions), std::move(triangles)};
 }
 
+glm::vec4 colourOf(const WritableMesh& mesh, uint32_t vertex) {
+  const uint32_t id = mesh.colours.ids[vertex];
+  return id == kNoAttribute ? glm::vec4(1.0F) : mesh.attributes->colours.values[id];
+}
+
 std::string offsetNote(const glm::dvec3& offset) {
   if (offset == glm::dvec3(0.0)) return {};
   std::string note = "offset";

@@ -3,10 +3,12 @@
 #include <bit>
 #include <cstdint>
 #include <cstring>
+#include <filesystem>
 #include <iosfwd>
 #include <string>
 #include <vector>
 
+#include "mesh/attribute_words.h"
 #include "mesh/packed_mesh.h"
 
 namespace raymap {
@@ -18,9 +20,19 @@ enum class Precision : uint8_t {
   Origin,  ///< Not at all: it keeps single precision about a double-precision origin.
 };
 
+/// Values of corners by vertex, as formats hold them that have one for each vertex.
+struct VertexValues {
+  std::vector<uint32_t> ids = {};  ///< First value of each vertex, or `kNoAttribute`. Empty: no values.
+  bool differ = false;             ///< Whether the corners at a vertex have several.
+};
+
 /// A mesh to write. Positions of a view in double precision are as given, not rounded about the origin.
 struct WritableMesh : PackedMesh {
-  std::vector<glm::dvec3> exact = {};  ///< Positions of a view in double precision; of others none.
+  std::vector<glm::dvec3> exact = {};          ///< Positions of a view in double precision; of others none.
+  const MeshAttributes* attributes = nullptr;  ///< `MeshWriteOptions::attributes`.
+  VertexValues uvs = {}, colours = {};
+  std::vector<uint32_t> partOf = {};  ///< Result of `separateParts`, if the format has objects.
+  std::filesystem::path folder = {};  ///< Folder of the file.
 
   glm::dvec3 exactPosition(uint32_t vertex) const { return exact.empty() ? position(vertex) : exact[vertex]; }
 };
@@ -29,6 +41,9 @@ struct WritableMesh : PackedMesh {
 inline glm::vec3 singlePosition(const WritableMesh& mesh, uint32_t vertex) {
   return glm::vec3(mesh.exactPosition(vertex));
 }
+
+/// Returns the colour of a vertex; white if it has none.
+glm::vec4 colourOf(const WritableMesh& mesh, uint32_t vertex);
 
 /// Returns the mesh as a file holds it.
 Mesh rounded(const WritableMesh& mesh, Precision precision);

@@ -1,8 +1,10 @@
-// Wavefront OBJ: `v` and `f` lines. Other lines describe appearance or curves and are not read.
+// Wavefront OBJ: `v` and `f` lines. Others describe parts and appearance, which are read if attributes are
+// asked for, or curves, which are not.
 
 #include <algorithm>
 
 #include "io/mesh/mesh_file.h"
+#include "io/mesh/obj_attributes.h"
 #include "io/mesh/text_scanner.h"
 
 namespace raymap {
@@ -11,14 +13,18 @@ namespace {
 
 class ObjReader {
  public:
-  explicit ObjReader(const MeshFile& file) : file_(file), text_(file) {}
+  explicit ObjReader(const MeshFile& file) : file_(file), text_(file), attributes_(file) {
+    if (file.attributes) polygons_.trackCorners();
+  }
 
   Mesh read() {
     for (; !atEnd(); text_.nextLine()) readLine();
     if (largest_ >= static_cast<int64_t>(positions_.size()))
       text_.failAt(largestAt_, outOfRange(largest_ + 1, positions_.size()));
     if (freeForm_) file_.warnThat("free-form curves and surfaces are not read");
-    return finishPolygons(file_, std::move(positions_), std::move(polygons_));
+    warnOfPolygons(file_, polygons_.dropped(), polygons_.cut(positions_));
+    if (file_.attributes) attributes_.finish(polygons_);
+    return finishMesh(file_, std::move(positions_), std::move(polygons_.triangles));
   }
 
  private:
@@ -33,6 +39,8 @@ class ObjReader {
       readFace();
     else if (keyword == "curv" || keyword == "curv2" || keyword == "surf")
       freeForm_ = true;
+    else if (file_.attributes)
+      attributes_.read(keyword, text_);
   }
 
   void readVertex() {
@@ -41,6 +49,7 @@ class ObjReader {
       if (!text_.moreOnLine()) text_.fail("a vertex needs three coordinates");
       p[c] = text_.real();
     }
+    if (file_.attributes) attributes_.readColour(text_, positions_.size());
     positions_.push_back(p);
   }
 
@@ -55,7 +64,8 @@ class ObjReader {
   uint32_t readCorner() {
     const size_t position = text_.position();
     const int64_t index = text_.integerPrefix();
-    text_.skipRestOfWord();
+    const std::string_view rest = text_.restOfWord();
+    if (file_.attributes) attributes_.addCorner(rest);
     const auto count = static_cast<int64_t>(positions_.size());
     const int64_t vertex = index < 0 ? count + index : index - 1;
     if (vertex < 0 || vertex >= int64_t{UINT32_MAX})
@@ -69,6 +79,7 @@ class ObjReader {
 
   const MeshFile& file_;
   TextScanner text_;
+  ObjAttributes attributes_;
   std::vector<glm::dvec3> positions_;
   Polygons polygons_;
   std::vector<uint32_t> corners_;

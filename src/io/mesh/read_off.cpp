@@ -177,6 +177,8 @@ OffMesh readText(const MeshFile& file, const OffHeader& header) {
 
 Mesh readOff(const MeshFile& file) {
   const OffHeader header = readHeader(file);
+  if (file.attributes && header.hasColour) file.attributes->lost.emplace_back("colours");
+  if (file.attributes && header.hasTexture) file.attributes->lost.emplace_back("texture coordinates");
   OffMesh mesh = header.isBinary ? readBinaryOff(file, header) : readText(file, header);
   return finishPolygons(file, std::move(mesh.positions), std::move(mesh.polygons));
 }

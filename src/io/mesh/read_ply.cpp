@@ -4,6 +4,7 @@
 #include <raymap/error.h>
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 #include <concepts>
@@ -169,6 +170,49 @@ class BinarySource {
   bool swap_;
 };
 
+/// Numbers of a vertex by which properties are told apart: first the coordinates.
+constexpr int kRed = 3, kAlpha = 6, kU = 7, kV = 8, kUnread = 9;
+
+/// Returns what a value of a colour is divided by to lie from 0 to 1.
+float fullColour(PlyType type) {
+  if (type == PlyType::Float || type == PlyType::Double) return 1.0F;
+  return type == PlyType::UInt16 ? 65535.0F : 255.0F;
+}
+
+/// Sets the numbers of properties that are colours or texture coordinates, if all of one kind are there.
+void findAttributes(const PlyElement& element, std::vector<int>& target) {
+  const auto set = [&](std::initializer_list<std::string_view> names, int first) {
+    const auto isScalar = [&](std::string_view name) {
+      const int place = element.find(name);
+      return place >= 0 && !element.properties[size_t(place)].isList;
+    };
+    if (!std::ranges::all_of(names, isScalar)) return false;
+    for (const std::string_view name : names) target[size_t(element.find(name))] = first++;
+    return true;
+  };
+  if (set({"red", "green", "blue"}, kRed)) set({"alpha"}, kAlpha);
+  if (!set({"s", "t"}, kU) && !set({"u", "v"}, kU)) set({"texture_u", "texture_v"}, kU);
+}
+
+/// Appends the properties of an element that are not read, in words. Normals follow from the faces.
+void noteUnread(const PlyElement& element, const std::vector<int>& target, const char* owners,
+                std::vector<std::string>& lost) {
+  constexpr std::array<std::string_view, 10> kKnown{
+      "nx", "ny", "nz", "red", "green", "blue", "alpha", "flags", "vertex_indices", "vertex_index"};
+  std::vector<std::string> names;
+  bool hasColours = false;
+  for (size_t i = 0; i < element.properties.size(); ++i) {
+    const std::string& name = element.properties[i].name;
+    if (target[i] != kUnread) continue;
+    hasColours = hasColours || name == "red";
+    if (std::ranges::find(kKnown, name) == kKnown.end()) names.push_back(shortText(name));
+  }
+  constexpr size_t kMostNames = 3;
+  if (hasColours) lost.push_back(std::string("colours of ") + owners);
+  if (names.size() > kMostNames) names = {std::to_string(names.size()) + " properties"};
+  for (const std::string& name : names) lost.push_back(name + " of " + owners);
+}
+
 /// Part of a file that is read.
 enum class PlyContent { Mesh, Points };
 
@@ -188,7 +232,15 @@ class PlyReader {
   }
   Source& source() { return source_; }
 
-  Mesh finish() { return finishPolygons(file_, std::move(positions_), std::move(polygons_)); }
+  Mesh finish() {
+    warnOfPolygons(file_, polygons_.dropped(), polygons_.cut(positions_));
+    if (file_.attributes) {
+      if (!found_.colours.values.empty()) found_.colours.corners = polygons_.triangles;
+      if (!found_.uvs.values.empty()) found_.uvs.corners = polygons_.triangles;
+      *file_.attributes = std::move(found_);
+    }
+    return finishMesh(file_, std::move(positions_), std::move(polygons_.triangles));
+  }
   std::vector<Vec> takePositions() { return std::move(positions_); }
 
  private:
@@ -213,14 +265,22 @@ class PlyReader {
   }
 
   void readVertices(const PlyElement& element) {
-    // Coordinate that each property sets; 3 for none.
-    std::vector<int> target(element.properties.size(), 3);
+    // Number of a vertex that each property sets.
+    std::vector<int> target(element.properties.size(), kUnread);
     for (int c = 0; c < 3; ++c) {
       const int place = element.findCoordinate(c);
       if (place < 0 || element.properties[static_cast<size_t>(place)].isList)
         file_.fail(std::string("the vertices have no property ") + "xyz"[c]);
       target[static_cast<size_t>(place)] = c;
     }
+    if (file_.attributes && content_ == PlyContent::Mesh) {
+      findAttributes(element, target);
+      noteUnread(element, target, "vertices", found_.lost);
+    }
+    const auto has = [&](int number) { return std::ranges::find(target, number) != target.end(); };
+    const bool hasColours = has(kRed), hasUvs = has(kU);
+    std::array<float, kUnread> numbers{};
+    numbers[kAlpha] = 1.0F;
     positions_.reserve(element.count);
     forEachRow(element, [&](uint64_t) {
       glm::vec<4, typename Vec::value_type> p;
@@ -228,10 +288,17 @@ class PlyReader {
         const PlyProperty& property = element.properties[i];
         if (target[i] < 3)
           p[target[i]] = static_cast<typename Vec::value_type>(source_.real(property.type));
-        else
+        else if (target[i] == kUnread)
           skip(property);
+        else
+          numbers[size_t(target[i])] = static_cast<float>(source_.real(property.type)) /
+                                       (target[i] < kU ? fullColour(property.type) : 1.0F);
       }
       positions_.emplace_back(p);
+      if (hasColours)
+        found_.colours.values.emplace_back(numbers[kRed], numbers[kRed + 1], numbers[kRed + 2],
+                                           numbers[kAlpha]);
+      if (hasUvs) found_.uvs.values.emplace_back(numbers[kU], numbers[kV]);
     });
   }
 
@@ -241,6 +308,8 @@ class PlyReader {
     if (list < 0 || !element.properties[static_cast<size_t>(list)].isList)
       file_.fail("element " + excerpt(element.name) + " has no list 'vertex_indices'");
     const bool areStrips = element.name == "tristrips";
+    if (file_.attributes)
+      noteUnread(element, std::vector(element.properties.size(), kUnread), "faces", found_.lost);
     if (!areStrips) polygons_.reserve(element.count);
     forEachRow(element, [&](uint64_t row) {
       for (size_t i = 0; i < element.properties.size(); ++i) {
@@ -307,6 +376,7 @@ class PlyReader {
   std::vector<Vec> positions_;
   Polygons polygons_;
   std::vector<uint32_t> corners_;
+  MeshAttributes found_;
 };
 
 /// Returns whether single precision holds the positions of the binary file exactly.

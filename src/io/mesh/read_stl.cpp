@@ -95,7 +95,7 @@ class StlTextReader {
     open_ = begins;
     mayName_ = true;
     if (!corners_.empty()) text_.fail("a solid begins or ends within a facet");
-    for (; text_.moreOnLine(); text_.skipRestOfWord())
+    for (; text_.moreOnLine(); text_.restOfWord())
       if (TextScanner ahead = text_; readStlWord(ahead) == StlWord::Facet && isNormal(ahead)) return;
   }
 
@@ -105,7 +105,7 @@ class StlTextReader {
 
   /// Skips the words up to the next statement on this line, such as a normal.
   void skipRemark() {
-    for (; text_.moreOnLine(); text_.skipRestOfWord())
+    for (; text_.moreOnLine(); text_.restOfWord())
       if (TextScanner ahead = text_; readStlWord(ahead) != StlWord::Other) return;
   }
 

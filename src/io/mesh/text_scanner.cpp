@@ -89,7 +89,10 @@ const char* TextScanner::wordEnd(const char* start) const {
 }
 
 std::string_view TextScanner::word() {
-  if (!more()) return {};
+  return more() ? restOfWord() : std::string_view();
+}
+
+std::string_view TextScanner::restOfWord() {
   const char* start = at_;
   at_ = wordEnd(start);
   return {start, static_cast<size_t>(at_ - start)};

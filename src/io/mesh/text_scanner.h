@@ -32,7 +32,8 @@ class TextScanner {
   int64_t integer();
   /// Reads an integer at the cursor without skipping blanks, and leaves what follows it (OBJ's `1/2/3`).
   int64_t integerPrefix();
-  void skipRestOfWord() { at_ = wordEnd(at_); }
+  /// Returns what is left of the word at the cursor, and moves behind it.
+  std::string_view restOfWord();
 
   [[noreturn]] void fail(const std::string& what) const;
   /// Fails because of the word at the cursor.

@@ -208,6 +208,7 @@ bool flipLongEdges(CleanedFaces& cleaned, const std::vector<uint32_t>& degenerat
     isTaken[face] = isTaken[across->face] = true;
     replaced.emplace_back(face, glm::uvec3(from, across->apex, apex));
     replaced.emplace_back(across->face, glm::uvec3(across->apex, to, apex));
+    if (!isDegenerate[across->face]) cleaned.given[face] = cleaned.given[across->face];
     ++cleaned.count;
   }
   std::vector<bool> isFlipped(cleaned.given.size());
@@ -260,6 +261,14 @@ CleanedFaces cleanFaces(const Model& mesh, bool areRounded) {
   }
   removeUnusedVertices(cleaned.mesh);
   return cleaned;
+}
+
+std::vector<uint32_t> facesOf(const std::vector<uint32_t>& faces, const std::vector<uint32_t>& given) {
+  std::vector<uint32_t> found;
+  for (const uint32_t face : faces) found.push_back(given[face]);
+  std::ranges::sort(found);
+  found.erase(std::unique(found.begin(), found.end()), found.end());
+  return found;
 }
 
 void raiseLowFaces(Mesh& mesh, const std::vector<uint32_t>& crossing) {

@@ -12,9 +12,10 @@ namespace raymap {
 
 /// A mesh without its degenerate and repeated faces.
 struct CleanedFaces {
-  Mesh mesh = {};                    ///< Welded. Sound faces keep their corners and their order.
-  std::vector<uint32_t> given = {};  ///< Index of each face in the given mesh.
-  size_t count = 0;                  ///< Number of faces that were removed or replaced with a neighbour.
+  Mesh mesh = {};  ///< Welded. Sound faces keep their corners and their order.
+  /// Given face that each face is, or lies in: where an edge was flipped, the sound one of two.
+  std::vector<uint32_t> given = {};
+  size_t count = 0;  ///< Number of faces that were removed or replaced with a neighbour.
 };
 
 /// Leaves out faces with a repeated corner, repeated ones that close nothing, and the other side of faces
@@ -24,6 +25,9 @@ struct CleanedFaces {
 /// of the longest, or of 1e-6 of the mesh, and flips edges between two degenerate faces, too: more faces go,
 /// but others may cross then. Faces that stay degenerate become just high enough.
 CleanedFaces cleanFaces(const Model& mesh, bool areRounded = false);
+
+/// Returns the given faces of some faces of a cleaned mesh, ascending.
+std::vector<uint32_t> facesOf(const std::vector<uint32_t>& faces, const std::vector<uint32_t>& given);
 
 /// Moves the apex of faces that are lower than rounding may move a vertex, so that rounding may have turned
 /// them over: those that share a corner with faces that cross others. They rise by as much as two roundings.

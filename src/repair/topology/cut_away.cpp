@@ -63,11 +63,12 @@ void addPrism(Mesh& mesh, const Plane& plane) {
 
 }  // namespace
 
-Mesh cutAway(const Mesh& solid, const Plane& plane) {
+Mesh cutAway(const Mesh& solid, const Plane& plane, std::vector<uint32_t>& sources) {
   requireCut(solid, plane);
   Mesh mesh = solid;
   addPrism(mesh, plane);
   UnitedParts rest = uniteParts(Model(mesh), InsideOut::Subtracted);
+  sources = std::move(rest.sources);
   if (rest.failure == FieldReason::None) return std::move(rest.mesh);
   throw Error(ErrorCode::Unsupported,
               "the cut at " + numberText(plane.offset, 6) + " leaves no sound mesh; move the plane a little");

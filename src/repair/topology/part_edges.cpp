@@ -24,7 +24,8 @@ struct Leaf {
 /// Cuts the faces at one edge after the other. A face is cut once; the rest of it waits for the next round.
 class EdgeParter {
  public:
-  explicit EdgeParter(Mesh& mesh) : mesh_(mesh), isCut_(mesh.triangles.size()) {}
+  EdgeParter(Mesh& mesh, std::vector<uint32_t>& sources)
+      : mesh_(mesh), sources_(sources), isCut_(mesh.triangles.size()) {}
 
   /// Returns whether an edge was cut.
   bool part() {
@@ -81,20 +82,22 @@ class EdgeParter {
       const uint32_t third = thirdOf(side);
       mesh_.triangles[side.face] = {side.from(), point, third};
       mesh_.triangles.emplace_back(point, side.to(), third);
+      sources_.push_back(sources_[side.face]);
       isCut_[side.face] = true;
     }
   }
 
   Mesh& mesh_;
+  std::vector<uint32_t>& sources_;
   std::vector<bool> isCut_;
 };
 
 }  // namespace
 
-size_t partEdges(Mesh& mesh) {
+size_t partEdges(Mesh& mesh, std::vector<uint32_t>& sources) {
   const size_t before = mesh.triangles.size();
   constexpr int kMostRounds = 4;  // A face may have several such edges.
-  for (int round = 0; round < kMostRounds && EdgeParter(mesh).part(); ++round) {
+  for (int round = 0; round < kMostRounds && EdgeParter(mesh, sources).part(); ++round) {
   }
   return mesh.triangles.size() - before;  // Each cut makes one face more.
 }

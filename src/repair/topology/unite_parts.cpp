@@ -5,6 +5,8 @@
 #include <iterator>
 #include <utility>
 
+#include <raymap/field.h>
+
 #include "mesh/compact.h"
 #include "mesh/diagnostics.h"
 #include "mesh/unite_faces.h"
@@ -42,6 +44,8 @@ UnitedParts uniteParts(const Model& given, InsideOut insideOut, bool closesHoles
   }
   if (insideOut == InsideOut::Turned) united.inverted = findInvertedParts(united.mesh);
   turnFaces(united.mesh, united.inverted.faces);
+  for (uint32_t f = 0; f < united.mesh.triangles.size(); ++f)
+    united.sources.push_back(faces.empty() ? f : f < faces.size() ? faces[f] : kNoTriangle);
   double volume = 0.0;
   size_t pairs = SIZE_MAX;  // Of crossing faces, after the round before.
   for (int round = 0; round < kMostRounds; ++round) {
@@ -53,14 +57,16 @@ UnitedParts uniteParts(const Model& given, InsideOut insideOut, bool closesHoles
       std::ranges::set_symmetric_difference(united.inverted.faces, cut->turned, std::back_inserter(inverted));
       std::ranges::set_symmetric_difference(back, inverted, std::back_inserter(united.turned));
       std::erase_if(united.turned, [&](uint32_t f) { return !faces.empty() && f >= faces.size(); });
-      if (!faces.empty())
-        for (uint32_t& f : united.turned) f = faces[f];
+      if (!faces.empty()) united.turned = facesOf(united.turned, faces);
       united.cutFaces += cut->cutFaces;
       united.buriedShare = cut->buriedShare;
       volume = cut->volume;
     }
-    united.mesh = cleanFaces(Model(cut->mesh), true).mesh;
-    united.cutFaces += partEdges(united.mesh);
+    CleanedFaces cleaned = cleanFaces(Model(cut->mesh), true);
+    united.mesh = std::move(cleaned.mesh);
+    for (uint32_t& f : cleaned.given) f = united.sources[cut->sources[f]];
+    united.sources = std::move(cleaned.given);
+    united.cutFaces += partEdges(united.mesh, united.sources);
     if (!isAllRight(Model(united.mesh))) {
       const SelfIntersections crossing = findSelfIntersections(united.mesh);
       if (crossing.pairs > pairs) break;  // Rounding makes ever more.

@@ -1,0 +1,265 @@
+#include <gtest/gtest.h>
+#include <raymap/raymap.h>
+
+#include <random>
+
+#include "error_code.h"
+#include "files.h"
+#include "io/mesh/mesh_file.h"
+#include "mesh_samples.h"
+#include "shapes.h"
+
+namespace raymap {
+namespace {
+
+namespace fs = std::filesystem;
+constexpr uint32_t kNone = MeshAttributes::kNone;
+
+/// Two quads in two objects, with groups, materials and texture coordinates; the last face has none.
+const std::string kObj =
+    "mtllib paint.mtl\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 2\nv 1 0 2\nv 1 1 2\nv 0 1 2\n"
+    "vt 0.1 0.2\nvt 0.9 0.2\nvt 0.9 0.8\nvt 0.1 0.8 0\n"
+    "o low plate\ng base\nusemtl red paint\nf 1/1 2/2/1 3/-2 4/-1\n"
+    "o high\nusemtl blue\nf 5/4 6/3 7/2\nf 5 7 8\n";
+
+class MeshAttributesTest : public ::testing::Test {
+ protected:
+  Mesh load(const fs::path& path) {
+    said_.clear();
+    return readMesh(path, {.warn = warn(), .attributes = &found_});
+  }
+  Mesh loadText(const std::string& name, const std::string& text) {
+    std::ofstream(path(name), std::ios::binary) << text;
+    return load(path(name));
+  }
+  void store(const std::string& name, const Mesh& mesh) {
+    said_.clear();
+    writeMesh(path(name), mesh, {.warn = warn(), .attributes = &found_});
+  }
+  WarningCallback warn() {
+    return [this](const Warning& warning) {
+      const std::string folder = folder_.path().string() + "/";
+      std::string text = warning.message;
+      if (const size_t at = text.find(folder); at != text.npos) text.erase(at, folder.size());
+      said_ += std::string(name(warning.code)) + " " + text + "\n";
+    };
+  }
+  fs::path path(const std::string& name) const { return folder_.path() / name; }
+  std::string partOf(size_t face) const { return found_.parts.at(found_.partOf.at(face)).object; }
+  glm::vec2 uvAt(size_t face, int corner) const {
+    return found_.uvs.values.at(found_.uvs.corners.at(face)[corner]);
+  }
+  glm::vec4 colourAt(size_t face, int corner) const {
+    return found_.colours.values.at(found_.colours.corners.at(face)[corner]);
+  }
+
+  TemporaryFolder folder_;
+  MeshAttributes found_;
+  std::string said_;
+};
+
+TEST_F(MeshAttributesTest, OfAnObjAreKeptAndWrittenAgain) {
+  fs::create_directory(path("out"));
+  std::ofstream(path("paint.mtl")) << "newmtl blue\n";
+  Mesh mesh = loadText("in.obj", kObj);
+  for (const char* turn : {"as given", "written and read again"}) {
+    SCOPED_TRACE(turn);
+    EXPECT_EQ(said_, "");
+    ASSERT_EQ(found_.parts.size(), 2u);
+    EXPECT_EQ(found_.parts[0], (MeshPart{"low plate", "base"}));
+    EXPECT_EQ(found_.parts[1], (MeshPart{"high", "base"}));
+    EXPECT_EQ(found_.partOf, (std::vector<uint32_t>{0, 0, 1, 1}));
+    EXPECT_EQ(found_.materials, (std::vector<std::string>{"red paint", "blue"}));
+    EXPECT_EQ(found_.materialOf, (std::vector<uint32_t>{0, 0, 1, 1}));
+    EXPECT_EQ(uvAt(1, 1), glm::vec2(0.9F, 0.8F));
+    EXPECT_EQ(uvAt(2, 0), glm::vec2(0.1F, 0.8F));
+    EXPECT_EQ(found_.uvs.corners[3], glm::uvec3(kNone));
+    EXPECT_TRUE(found_.colours.corners.empty());
+    ASSERT_EQ(found_.libraries.size(), 1u);
+    EXPECT_TRUE(fs::equivalent(found_.libraries[0], path("paint.mtl")));
+    store("out/out.obj", mesh);
+    EXPECT_NE(readBytes(path("out/out.obj")).find("mtllib ../paint.mtl\n"), std::string::npos);
+    mesh = load(path("out/out.obj"));
+    EXPECT_EQ(mesh.triangles.size(), 4u);
+  }
+  EXPECT_EQ(readBytes(path("paint.mtl")), "newmtl blue\n");
+}
+
+TEST_F(MeshAttributesTest, FollowTheCornersOfPolygonsThatAreCut) {
+  for (size_t first = 0; first < samples::kU.size(); ++first) {
+    std::string text = samples::cornersOfU("v ") + samples::cornersOfU("vt ") + "f";
+    for (size_t c = 0; c < samples::kU.size(); ++c) {
+      const std::string corner = std::to_string((first + c) % samples::kU.size() + 1);
+      text += " " + corner + "/" + corner;
+    }
+    const Mesh mesh = loadText("u.obj", "usemtl early\nf 1/1 2/2\n" + text + "\nusemtl late\nf 1 2 3\n");
+    EXPECT_TRUE(found_.materialOf.front() == 0 && found_.materialOf.back() == 1);
+    for (size_t f = 0; f + 1 < mesh.triangles.size(); ++f)
+      for (int c = 0; c < 3; ++c)
+        EXPECT_EQ(uvAt(f, c), glm::vec2(mesh.position(mesh.triangles[f][c]))) << first << " " << f;
+  }
+}
+
+TEST_F(MeshAttributesTest, NameFacesThatHaveNoneBehindOthers) {
+  const Mesh mesh = loadText("in.obj", kObj);
+  found_.partOf[2] = found_.materialOf[2] = kNone;
+  store("out.obj", mesh);
+  load(path("out.obj"));
+  EXPECT_EQ(partOf(2), "added");
+  EXPECT_EQ(found_.materials[found_.materialOf[2]], "added");
+  EXPECT_EQ(partOf(3), "high");
+}
+
+TEST_F(MeshAttributesTest, OfAnObjThatAreMalformedAreLeftOut) {
+  const std::string vertices = "v 0 0 0 0.25 0.5 1\nv 1 0 0 x y z\nv 0 1 0 1\nvt 0 x\nvt\nvt 1 1\n";
+  loadText("a.obj", vertices + "f 1/1 2/9 3/-3\nf 1/ 2/x 3/0\nf 1/-4 2/3 3/99999999999999999999\n");
+  EXPECT_EQ(said_, "file_content a.obj: 7 texture coordinates missing or malformed, and left out\n");
+  EXPECT_EQ(found_.uvs.corners[0], glm::uvec3(0, kNone, 0));
+  EXPECT_EQ(found_.uvs.corners[2], glm::uvec3(kNone, 2, kNone));
+  EXPECT_EQ(found_.colours.corners[0], glm::uvec3(0, kNone, kNone));
+  EXPECT_EQ(colourAt(0, 0), glm::vec4(0.25F, 0.5F, 1.0F, 1.0F));
+}
+
+TEST_F(MeshAttributesTest, OfAPlyAreKeptAndWrittenAgain) {
+  const std::string text =
+      "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
+      "property uchar red\nproperty uchar green\nproperty uchar blue\nproperty float alpha\n"
+      "property float s\nproperty float t\nproperty float nx\nproperty float quality\n"
+      "element face 1\nproperty list uchar int vertex_indices\nproperty uchar red\nend_header\n"
+      "0 0 0 255 0 51 1 0.5 0.25 0 7\n1 0 0 0 255 0 0.2 1 0 0 7\n0 1 0 1 2 3 1 0 1 0 7\n3 0 1 2 9\n";
+  Mesh mesh = loadText("in.ply", text);
+  EXPECT_EQ(found_.lost, (std::vector<std::string>{"quality of vertices", "colours of faces"}));
+  for (const char* turn : {"as given", "written and read again"}) {
+    SCOPED_TRACE(turn);
+    EXPECT_EQ(colourAt(0, 0), glm::vec4(1.0F, 0.0F, 0.2F, 1.0F));
+    EXPECT_EQ(colourAt(0, 1), glm::vec4(0.0F, 1.0F, 0.0F, 0.2F));
+    EXPECT_EQ(uvAt(0, 0), glm::vec2(0.5F, 0.25F));
+    found_.lost.clear();
+    store("out.ply", mesh);
+    EXPECT_EQ(said_, "");
+    mesh = load(path("out.ply"));
+  }
+  found_.colours.values[1] = {NAN, 9.0F, -1.0F, 1.0F};
+  store("odd.ply", mesh);
+  load(path("odd.ply"));
+  EXPECT_EQ(colourAt(0, 1), glm::vec4(0.0F, 1.0F, 0.0F, 1.0F));
+}
+
+TEST_F(MeshAttributesTest, ThatAVertexHasSeveralOfKeepTheFirst) {
+  const Mesh mesh = loadText("in.obj",
+                             "v 0 0 0 1 0 0\nv 1 0 0 0 1 0\nv 0 1 0 0 0 1\nv 1 1 0 1 1 1\n"
+                             "vt 0 0\nvt 1 1\nf 1/1 2/1 3/1\nf 3/2 2/1 4/1\n");
+  found_.colours.corners[1].x = 3;
+  store("out.ply", mesh);
+  EXPECT_EQ(said_,
+            "attributes_lost out.ply: it lacks what the given mesh has: texture coordinates and colours "
+            "that differ at a vertex; an .obj keeps texture coordinates\n");
+  load(path("out.ply"));
+  EXPECT_EQ(colourAt(1, 0), glm::vec4(0.0F, 0.0F, 1.0F, 1.0F));
+}
+
+TEST_F(MeshAttributesTest, ThatAFormatLacksAreNamed) {
+  const Mesh mesh = loadText("in.obj", kObj);
+  found_.lost = {"3 properties of faces"};
+  store("out.stl", mesh);
+  EXPECT_EQ(said_,
+            "attributes_lost out.stl: it lacks what the given mesh has: 2 part names, 2 materials, texture "
+            "coordinates and 3 properties of faces; an .obj keeps 2 part names, 2 materials and texture "
+            "coordinates\n");
+  store("out.obj", mesh);
+  EXPECT_EQ(said_, "attributes_lost out.obj: it lacks what the given mesh has: 3 properties of faces\n");
+  found_ = {};
+  store("out.stl", mesh);
+  EXPECT_EQ(said_, "");
+}
+
+TEST_F(MeshAttributesTest, OfPartsAreObjectsOfAGlbAnd3mf) {
+  // Faces of both parts in turn, and one without a name.
+  const Mesh a = shapes::box({0, 0, 0}, {1, 1, 1}), b = shapes::box({5, 0, 0}, {6, 2, 1});
+  Mesh mesh = shapes::joined(a, b);
+  for (size_t f = 0; f < 12; f += 2) std::swap(mesh.triangles[f], mesh.triangles[f + 12]);
+  MeshAttributes named{.parts = {{"a & \"b\""}, {"c", "d"}}};
+  for (size_t f = 0; f < 24; ++f) named.partOf.push_back(mesh.triangles[f].x < 8 ? 0 : 1);
+  named.partOf[3] = kNone;
+  for (const std::string file : {"out.glb", "out.3mf"}) {
+    SCOPED_TRACE(file);
+    found_ = named;
+    store(file, mesh);
+    EXPECT_EQ(said_, "");
+    const Mesh read = load(path(file));
+    ASSERT_EQ(found_.partOf.size(), 24u);
+    EXPECT_EQ(found_.parts.size(), 2u);
+    for (size_t f = 0; f < 24; ++f)
+      EXPECT_EQ(partOf(f), read.position(read.triangles[f].x).x > 2.0 ? "c/d" : "a & \"b\"");
+    EXPECT_EQ(read.vertices.size(), 16u);
+    EXPECT_NEAR(diagnose(read).signedVolume, 3.0, 1e-6);
+    found_ = named;
+    found_.partOf[4] = 1 - found_.partOf[4];
+    store(file, mesh);
+    EXPECT_EQ(said_, "attributes_lost " + file +
+                         ": it lacks what the given mesh has: 2 part names; an .obj keeps them\n");
+    const Mesh whole = load(path(file));
+    EXPECT_EQ(whole.triangles, mesh.triangles);
+    EXPECT_TRUE(found_.partOf.empty() || found_.partOf[0] == kNone);
+  }
+}
+
+TEST_F(MeshAttributesTest, OfOtherFilesAreNamedAsLost) {
+  const std::string json = samples::replaced(samples::gltf(R"("byteLength":60)"), R"("POSITION":)",
+                                             R"("TEXCOORD_0":0,"COLOR_0":0,"POSITION":)");
+  loadText("in.glb", samples::glb(json));
+  EXPECT_EQ(found_.lost, (std::vector<std::string>{"texture coordinates", "colours"}));
+  loadText("in.off", "STCOFF\n3 1 0\n0 0 0 1 1 1 1 0 0\n1 0 0 1 1 1 1 0 0\n0 1 0 1 1 1 1 0 0\n3 0 1 2\n");
+  EXPECT_EQ(found_.lost, (std::vector<std::string>{"colours", "texture coordinates"}));
+}
+
+TEST_F(MeshAttributesTest, ThatDoNotFitTheMeshAreRefused) {
+  const Mesh mesh = loadText("in.obj", kObj);
+  const MeshAttributes right = found_;
+  const auto code = [&] { return codeOf([&] { store("out.obj", mesh); }); };
+  found_.partOf.pop_back();
+  EXPECT_EQ(code(), ErrorCode::Usage);
+  found_ = right;
+  found_.materialOf[0] = 2;
+  EXPECT_EQ(code(), ErrorCode::Usage);
+  found_ = right;
+  found_.uvs.corners[0].y = uint32_t(found_.uvs.values.size());
+  EXPECT_EQ(code(), ErrorCode::Usage);
+}
+
+TEST_F(MeshAttributesTest, SurviveAnyChangeOfAFile) {
+  std::mt19937 random(7);
+  const std::string ply =
+      "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
+      "property float z\nproperty uchar red\nproperty uchar green\nproperty uchar blue\n"
+      "property float s\nproperty float t\nelement face 1\n"
+      "property list uchar int vertex_indices\nend_header\n"
+      "0 0 0 255 0 51 0 1\n1 0 0 0 255 0 1 1\n0 1 0 1 2 3 0 0\n3 0 1 2\n";
+  const std::string bytes = "0123456789-/. \n\\vtfogxyzr";
+  size_t readable = 0;
+  for (int turn = 0; turn < 4000; ++turn) {
+    const bool isObj = turn % 2 == 0;
+    std::string text = isObj ? kObj : ply;
+    for (int change = 0; change < 3; ++change) {
+      const size_t at = random() % text.size();
+      if (random() % 3 == 0)
+        text.erase(at, 1 + random() % 4);
+      else
+        text[at] = bytes[random() % bytes.size()];
+    }
+    MeshAttributes attributes;
+    MeshFile file{std::as_bytes(std::span(text)), path("in"), [](const Warning&) {}};
+    file.attributes = &attributes;
+    try {
+      const Mesh mesh = isObj ? readObj(file) : readPly(file);
+      ++readable;
+      EXPECT_NO_THROW(writeMesh(path("out.obj"), mesh, {.attributes = &attributes})) << text;
+    } catch (const Error& error) {
+      EXPECT_NE(std::string(error.what()), "");
+    }
+  }
+  EXPECT_GT(readable, 500u);
+}
+
+}  // namespace
+}  // namespace raymap
