@@ -14,6 +14,7 @@ if [[ $# -eq 0 ]]; then
   rm -rf build/wheels
   scripts/wheel.sh /usr/bin/python3  # The bare system has the same.
   set -- build/wheels/*.whl
+  SOURCE_DATE_EPOCH=0 scripts/sbom.py "$(ls -td build/wheel-cp* | head -n 1)" "$1" build/raymap.cdx.json
 fi
 scripts/bare_system.sh make "$work/system" python3-pip,python3-venv "${@:2}"
 version=$(scripts/bare_system.sh run "$work/system" python3 -c 'import sys; print("%d.%d" % sys.version_info[:2])')
