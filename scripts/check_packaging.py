@@ -43,7 +43,7 @@ def faults() -> Iterator[str]:
             yield f"{path}: scripts/install.sh does not install {package}"
 
     requires = re.search(r"^requires = \[(.*)\]$", text("pyproject.toml"), re.MULTILINE)[1]
-    for package in set(re.findall(rf'"({NAME})', requires)) - {"scikit-build-core"}:  # That leaves nothing in a wheel.
+    for package in set(re.findall(rf'"({NAME})', requires)) - {"scikit-build-core"}:  # A tool
         if f'"pkg:pypi/{package}"' not in text("scripts/sbom.py"):
             yield f"scripts/sbom.py: FOREIGN lacks {package}, of which pyproject.toml builds wheels"
 

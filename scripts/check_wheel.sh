@@ -3,8 +3,8 @@
 # network, by Python and by the program raymap. Runs the code of README and docs there as it stands, and says how long it
 # takes to the first picture. Needs root.
 #
-# scripts/check_wheel.sh [WHEEL [DISTRIBUTION]]: builds one if none is given. Another distribution, such as forky, has another
-# Python.
+# scripts/check_wheel.sh [WHEEL [DISTRIBUTION]]: builds one if none is given, and its bill of materials. Another distribution,
+# such as forky, has another Python.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 work=$(mktemp -d)

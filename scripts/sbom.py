@@ -17,7 +17,8 @@ import uuid
 import zipfile
 from pathlib import Path
 
-# What does not come from the distribution, by a part of its headers' paths: package URL, licence, header with the version.
+# Libraries that the distribution does not have, by a part of their headers' paths: package URL, licence, header with the
+# version.
 FOREIGN = {
     "/site-packages/nanobind/ext/robin_map/": ("pkg:github/tessil/robin-map", "MIT", "robin_growth_policy.h"),
     "/site-packages/nanobind/": ("pkg:pypi/nanobind", "BSD-3-Clause", "nanobind.h"),

@@ -37,7 +37,9 @@ if [[ -n ${RAYMAP_SYSROOT:-} ]]; then
 fi
 "$compiler" -O2 -fPIC -fno-builtin -c packaging/hypot.c -o "$env/hypot.o"
 export LDFLAGS="$PWD/$env/hypot.o -lm"
-CCACHE_BASEDIR=$source CCACHE_NOHASHDIR=1 python -m pip wheel "$source" --no-deps --no-build-isolation --disable-pip-version-check --wheel-dir "$work/raw" \
+# Without isolation, the compiler finds nanobind at the same place each time, and scripts/sbom.py its headers.
+CCACHE_BASEDIR=$source CCACHE_NOHASHDIR=1 python -m pip wheel "$source" --no-deps --no-build-isolation \
+  --disable-pip-version-check --wheel-dir "$work/raw" \
   --config-settings=cmake.define.RAYMAP_WERROR=ON --config-settings=build-dir="build/wheel-{wheel_tag}" "${settings[@]}"
 auditwheel repair --wheel-dir "$work/whole" "$work"/raw/*.whl
 

@@ -15,9 +15,10 @@ from test_docs import PAGES
 FENCED = r"^```(\w*)\n(.*?)^```"
 INDENTED = r"(?<=\n\n)((?: {4}\w.*\n)+)"
 COMPILED = ["docs/api.md", "docs/coming_from.md", "docs/points.md", "docs/vulkan.md"]
-LESSONS = sorted(str(page.relative_to(ROOT)) for folder in ("teach", "tutorials") for page in ROOT.glob(f"docs/{folder}/*.md"))
-SHELL = ["README.md", *(f"docs/{name}" for name in re.findall(r'"(\w+\.md)"', (ROOT / "tests/apps/readme_test.py").read_text()))]
-# What else runs or does not, by the beginning.
+LESSONS = sorted(str(page.relative_to(ROOT)) for page in [*ROOT.glob("docs/teach/*.md"), *ROOT.glob("docs/tutorials/*.md")])
+README_TEST = (ROOT / "tests/apps/readme_test.py").read_text()
+SHELL = ["README.md", *(f"docs/{name}" for name in re.findall(r'"(\w+\.md)"', README_TEST))]
+# Other examples by their beginnings: the script that runs them, or the reason why none does.
 RUN = {
     "#include <raymap/raymap.h>": "scripts/check_install.sh",
     "find_package": "scripts/check_install.sh",
