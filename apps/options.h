@@ -55,11 +55,11 @@ std::span<const OptionRow> optionRows();
 /// Returns the row with this spelling, for example "--color" or "-o"; null if there is none.
 const OptionRow* findRow(std::string_view spelling);
 
-/// Options that mean nothing without the second one, in a command that has both.
+/// Options that mean nothing without the second one, in a command that has both. Any one of several will do.
 constexpr std::pair<const char*, const char*> kNeeded[] = {
-    {"--fps", "--frames"},       {"--start-frame", "--frames"},     {"--clip", "--frames"},
-    {"--drain-hole", "--shell"}, {"--drain-holes", "--drain-hole"}, {"--down", "--drain-hole"},
-    {"--index", "--slice"}};
+    {"--drain-hole", "--shell"},       {"--down", "--base"},   {"--start-frame", "--frames"},
+    {"--down", "--drain-hole"},        {"--index", "--slice"}, {"--fps", "--frames"},
+    {"--drain-holes", "--drain-hole"}, {"--clip", "--frames"}};
 
 /// Options that contradict each other.
 constexpr std::pair<const char*, const char*> kExclusive[] = {

@@ -186,9 +186,14 @@ std::string store(Argument& argument) {
 std::string mistakeBeside(const Command& command, const Argument& argument) {
   if (argument.given.empty()) return argument.isRequired ? argument.shown() + " is required" : "";
   const std::string name = longName(argument.row);
-  for (const auto& [option, other] : kNeeded)
-    if (name == option && command.find(other) != nullptr && !command.isGiven(other))
-      return name + " needs " + command.find(other)->shown() + "; add it";
+  std::string needed;
+  bool isMet = false;
+  for (const auto& [option, other] : kNeeded) {
+    if (name != option || command.find(other) == nullptr) continue;
+    isMet |= command.isGiven(other);
+    needed += (needed.empty() ? "" : " or ") + command.find(other)->shown();
+  }
+  if (!isMet && !needed.empty()) return name + " needs " + needed + "; add it";
   for (const auto& [option, other] : kExclusive)
     if ((name == option && command.isGiven(other)) || (name == other && command.isGiven(option)))
       return std::string(option) + " and " + other + " cannot be used together; leave one of them out";

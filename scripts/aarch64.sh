@@ -49,8 +49,9 @@ if [[ ! -e $sysroot/complete ]]; then
   rm -rf "$sysroot"
   mkdir -p build
   unpack "$(. /etc/os-release && echo "$VERSION_CODENAME")" "$sysroot" "$(IFS=, && echo "${libraries[*]}")"
+  rm -rf "$sysroot/dev"  # QEMU would open /dev/shm there.
   # Some name files from the root on.
-  find "$sysroot" -type l -lname '/*' ! -path '*/dev/*' -printf '%p %l\n' | while read -r link file; do ln -sfr "$sysroot$file" "$link"; done
+  find "$sysroot" -type l -lname '/*' -printf '%p %l\n' | while read -r link file; do ln -sfr "$sysroot$file" "$link"; done
   sed -i -E 's#([:;"])/usr#\1${CMAKE_SYSROOT}/usr#g' "$sysroot"/usr/lib/aarch64-linux-gnu/cmake/{assimp*,draco}/*.cmake
   touch "$sysroot/complete"
 fi
@@ -58,5 +59,5 @@ if [[ ${1:-} == sysroot ]]; then exit; fi
 
 cmake --preset release -B build/aarch64 --toolchain cmake/aarch64.cmake -DRAYMAP_SYSROOT="$sysroot"
 cmake --build build/aarch64 --target raymap_cli core_tests repair_tests
-# Death tests start the program again, which only QEMU can.
-ctest --test-dir build/aarch64 --output-on-failure -j 2 -LE large -E '_NOT_BUILT|DeathTest|^Example'
+# Death tests start the program again, which only QEMU can. QEMU takes no limit of a process's memory.
+ctest --test-dir build/aarch64 --output-on-failure -j 2 -LE large -E '_NOT_BUILT|DeathTest|HeedsTheLimitsOfTheProcess|^Example'

@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
-# Makes a bare system of this distribution (mmdebstrap), or runs something in one, without a network. Needs root.
+# Makes a bare system of a distribution (mmdebstrap), by default this one, or runs something in one, without a network. Needs
+# root.
 #
-# scripts/bare_system.sh make FOLDER PACKAGE,...
+# scripts/bare_system.sh make FOLDER PACKAGE,... [DISTRIBUTION]
 # scripts/bare_system.sh run FOLDER COMMAND...
 # scripts/bare_system.sh readme FOLDER BIN: README's lines for the shell; the system's folder BIN has the program raymap
 set -euo pipefail
@@ -11,7 +12,9 @@ shift 2
 case $action in
   make)
     type -P mmdebstrap >/dev/null || apt-get install -y -q --no-install-recommends mmdebstrap </dev/null
-    mmdebstrap --variant=minbase --include="$1" "$(. /etc/os-release && echo "$VERSION_CODENAME")" "$folder" \
+    # A mirror may be late with distributions that are not released.
+    mmdebstrap --variant=minbase --aptopt='Acquire::Check-Valid-Until "false"' --include="$1" \
+      "${2:-$(. /etc/os-release && echo "$VERSION_CODENAME")}" "$folder" \
       >"$folder.log" 2>&1 || { tail -n 20 "$folder.log" && exit 1; }
     ;;
   run)

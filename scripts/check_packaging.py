@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """Fails on a file in packaging/ whose version, options of CMake or packages are not those of CMakeLists.txt and
-scripts/install.sh, and on a portfile of vcpkg that CMake cannot run. check_packaging.py [ROOT]"""
+scripts/install.sh, on a portfile of vcpkg that CMake cannot run, and on a package that wheels are built of and the bill of
+materials does not know. check_packaging.py [ROOT]"""
 
 import json
 import re
@@ -40,6 +41,11 @@ def faults() -> Iterator[str]:
     for path, needed, installed in (("packaging/debian/control", control, lists.partition(")\n")[0]), ("scripts/aarch64.sh", arm, lists)):
         for package in sorted(set(re.findall(NAME, needed)) - set(re.findall(NAME, installed))):
             yield f"{path}: scripts/install.sh does not install {package}"
+
+    requires = re.search(r"^requires = \[(.*)\]$", text("pyproject.toml"), re.MULTILINE)[1]
+    for package in set(re.findall(rf'"({NAME})', requires)) - {"scikit-build-core"}:  # A tool
+        if f'"pkg:pypi/{package}"' not in text("scripts/sbom.py"):
+            yield f"scripts/sbom.py: FOREIGN lacks {package}, of which pyproject.toml builds wheels"
 
     functions = ("cmake_configure", "cmake_install", "cmake_config_fixup", "fixup_pkgconfig", "install_copyright")
     stubs = "".join(f"function(vcpkg_{name})\nendfunction()\n" for name in functions)

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Prints the Python of a virtual environment, build/python-env, that can build and test the Python package. Makes it, and
-# installs from PyPI what python/tests/requirements.txt names; with --all also large_packages.txt, 7 GB, which tests of
+# installs from PyPI what python/tests/requirements.txt names; with --all also large_packages.txt, 8 GB, which tests of
 # their meshes and arrays need; with --site site_packages.txt, which build the documentation site.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."

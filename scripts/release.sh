@@ -50,6 +50,7 @@ END
 scripts/check_debian.sh
 system_wheel=(build/wheels/*-"$(/usr/bin/python3 -c 'import sys; print("cp%d%d" % sys.version_info[:2])')"-*_x86_64.whl)
 if [[ -e ${system_wheel[0]} ]]; then scripts/check_wheel.sh "${system_wheel[0]}"; fi
+if [[ $native == *-abi3-* ]]; then scripts/check_wheel.sh "$native" forky; fi  # The next Debian has CPython 3.14.
 scripts/aarch64.sh check "$foreign"
 scripts/bare_system.sh make "$work/bare" tar,xz-utils
 cp "$out"/raymap-*-linux-x86_64.tar.xz "$work/bare"

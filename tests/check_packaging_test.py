@@ -11,7 +11,8 @@ class CheckPackaging(PlantedTree):
 
     def setUp(self):
         super().setUp()
-        self.copy("packaging", "CMakeLists.txt", "scripts/install.sh", "scripts/aarch64.sh")
+        self.copy("packaging", "CMakeLists.txt", "pyproject.toml", "scripts/install.sh", "scripts/aarch64.sh",
+                  "scripts/sbom.py")
 
     def test_accepts_the_tree(self):
         self.assert_accepted()
@@ -29,6 +30,10 @@ class CheckPackaging(PlantedTree):
     def test_finds_packages_that_nothing_installs(self):
         self.edit("packaging/debian/control", "libpng-dev", "libpng16-dev")
         self.assert_found("packaging/debian/control: scripts/install.sh does not install libpng16-dev")
+
+    def test_finds_what_the_bill_of_materials_lacks(self):
+        self.edit("scripts/sbom.py", "pkg:pypi/nanobind", "pkg:pypi/pybind11")
+        self.assert_found("scripts/sbom.py: FOREIGN lacks nanobind")
 
     def test_finds_a_port_that_does_not_run(self):
         self.edit("packaging/vcpkg/portfile.cmake", "../..", "..")

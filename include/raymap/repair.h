@@ -21,7 +21,7 @@ inline constexpr double kThinnestWall = 1.75;
 /// Most cubes between samples that `fitRepairGrid` lets the surface pass when it chooses by itself: about the
 /// area over the square of the spacing. Each becomes two triangles before they are simplified.
 inline constexpr size_t kMostRepairCubes = size_t{1} << 19;
-/// Most samples that it chooses for a hollow solid, whose field has all of them.
+/// Most samples that it chooses on a GPU, whose field has all of them.
 inline constexpr size_t kMostRepairSamples = size_t{1} << 26;
 
 /// How to change a mesh beside closing it. Lengths are in the mesh's units.
@@ -38,7 +38,8 @@ struct RepairOptions {
   /// Number of drain holes of each hollow: down from its lowest point, then as a vent up from its highest
   /// one, then down from level floors as far from the others as there are.
   int drainHoles = 1;
-  glm::dvec3 down{0.0, 0.0, -1.0};  ///< Direction of the drain holes; any length but 0.
+  glm::dvec3 down{0.0, 0.0,
+                  -1.0};  ///< Direction of the drain holes and of the walls to a base; any length but 0.
   /// Volume in the mesh's units cubed. Parts of the result that enclose less are dropped. Unset: a thousandth
   /// of what the largest part encloses. A small part is kept if no other part covers that piece of the mesh.
   std::optional<double> dropSmaller = {};
@@ -186,8 +187,8 @@ struct Repaired {
 
 /// A grid for a repair, and the thickness that chose the distance between its samples.
 struct RepairGrid : Grid {
-  /// Thickness of the mesh's thinnest part (`Verdict::thinnest`). Nothing if it is at least two samples of
-  /// `kRepairResolution`, or was not measured.
+  /// Thickness of the mesh's thinnest part (`Verdict::thinnest`), or of a hollow's walls or drain holes if
+  /// that is less. Nothing if it is at least two samples of `kRepairResolution`, or was not measured.
   std::optional<double> thinnest = {};
   double surfaceCubes =
       0.0;  ///< Cubes between samples that the mesh's surface passes, estimated by its area.
@@ -201,10 +202,10 @@ struct RepairGrid : Grid {
 /// `thickness`.
 ///
 /// Covers the base, too. Without a resolution or a voxel size, it has `kRepairResolution` samples along its
-/// longest side. They are as dense as two to the thinnest part if that takes at most `kMostRepairCubes`, at
-/// most `kMostRepairSamples` with a shell or on a GPU, and memory within `machine.memoryLimit`. A soup of
-/// faces (`MeshKind::Soup`) has 128 samples along its longest side. Uses `machine` and throws `Error` as
-/// `fitGrid` and `judge` do.
+/// longest side. They are as dense as two to the thinnest part if that takes at most `kMostRepairCubes`, with
+/// a shell half of them, on a GPU at most `kMostRepairSamples`, and memory within `machine.memoryLimit`. A
+/// soup of faces (`MeshKind::Soup`) has 128 samples along its longest side. Uses `machine` and throws `Error`
+/// as `fitGrid` and `judge` do.
 RAYMAP_API RepairGrid fitRepairGrid(const MeshView& mesh, const GridOptions& options = {},
                                     const RepairOptions& repair = {}, const MachineOptions& machine = {});
 
@@ -228,11 +229,10 @@ RAYMAP_API std::string describeThickness(const MeshView& mesh, const Verdict& ve
 /// It leaves both parts closed by flat faces.
 ///
 /// `options` say how distance and sign are found. All of `machine` is used. The field is a narrow band, made
-/// on the CPU; it has all samples, made on `device`, for a shell, if `device` names a GPU, and for another
-/// distance or sign than the default. Throws
-/// `Error` as `generate` and `isosurface` do. Usage also for options that make no sense for a solid: no sign,
-/// `band`, `invert`, `thickness`, `closeHoles` and further arrays; and if walls, holes or the least thickness
-/// are thinner than two samples.
+/// on the CPU; it has all samples, made on `device`, if `device` names a GPU, and for another distance or
+/// sign than the default. Throws `Error` as `generate` and `isosurface` do. Usage also for options that make
+/// no sense for a solid: no sign, `band`, `invert`, `thickness`, `closeHoles` and further arrays; and if
+/// walls, holes or the least thickness are thinner than two samples.
 RAYMAP_API Repaired repair(const MeshView& mesh, const Grid& grid, const FieldOptions& options = {},
                            const RepairOptions& repair = {}, const MachineOptions& machine = {});
 

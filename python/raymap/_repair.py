@@ -235,7 +235,7 @@ def repair(
         min_thickness: Least thickness of walls, fins and sheets: what is thinner in the mesh becomes a plate this
             thick. At least two samples, or 0 = none: what samples miss is lost. None: 1.75 samples, the thinnest wall
             that the grid cannot miss. Material removed by a negative offset is not restored.
-        down: Direction of the drain holes; any length but 0.
+        down: Direction of the drain holes and of the walls to a base; any length but 0.
         drop_smaller: Volume in the mesh's units cubed. Parts of the result that enclose less are dropped. None: a
             thousandth of what the largest part encloses. A small part is kept if no other part covers that piece of the
             mesh.

@@ -49,7 +49,7 @@ constexpr std::array<OptionText, 68> kTexts{{
      "Distance to the closest triangle: `exact`, or the faster approximations `neighbours`, `cell` and "
      "`raster`."},
     {"down",
-     "Direction of the drain holes; any length but 0."},
+     "Direction of the drain holes and of the walls to a base; any length but 0."},
     {"drain_hole",
      "Diameter of the drain holes; 0 = none."},
     {"drain_holes",

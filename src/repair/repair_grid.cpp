@@ -59,14 +59,27 @@ glm::dvec3 samplesFor(const Box& box, double voxelSize) {
   return (size + padding) / voxelSize;
 }
 
+/// Returns the largest voxel size for the walls and drain holes of a hollow; infinite for no shell.
+double voxelSizeOf(const RepairOptions& repair) {
+  if (repair.shell <= 0.0) return INFINITY;
+  return 0.5 * (repair.drainHole > 0.0 ? std::min(repair.shell, repair.drainHole) : repair.shell);
+}
+
+/// Returns how many cubes one at the surface stands for: a hollow has two surfaces, and samples in its walls.
+double cubesFor(const RepairOptions& repair, double voxelSize) {
+  constexpr double kSamplesOfCube = 128.0;  // They take the time of a cube.
+  const double deep = repair.shell + 0.5 * repair.drainHole;
+  return repair.shell > 0.0 ? 2.0 + deep / (kSamplesOfCube * voxelSize) : 1.0;
+}
+
 bool isChosen(const GridOptions& options) {
   return options.resolution || options.voxelSize > 0.0;
 }
 
 }  // namespace
 
-bool needsAllSamples(const RepairOptions& repair, const MachineOptions& machine) {
-  return repair.shell > 0.0 || machine.device.starts_with("vulkan");
+bool needsAllSamples(const MachineOptions& machine) {
+  return machine.device.starts_with("vulkan");
 }
 
 double surfaceCubes(const MeshView& mesh, double spacing) {
@@ -82,17 +95,22 @@ RepairGrid chooseRepairGrid(const MeshView& mesh, const Verdict& verdict, const 
   const auto fit = [&] { return box.isEmpty() ? fitGrid(mesh, covering) : fitGrid(box, covering); };
   RepairGrid grid{fit()};
   grid.surfaceCubes = surfaceCubes(mesh, grid.spacing);
-  if (isChosen(options) || isSoup || !verdict.voxelSize || *verdict.voxelSize >= grid.spacing) return grid;
-  grid.thinnest = std::max(*verdict.thinnest, 2.0 * *verdict.voxelSize);  // But for rounding.
-  covering.voxelSize = *verdict.voxelSize;
+  const double walls = voxelSizeOf(repair);
+  const double voxelSize = std::min(verdict.voxelSize.value_or(INFINITY), walls);
+  if (isChosen(options) || isSoup || voxelSize >= grid.spacing) return grid;
+  grid.thinnest = voxelSize == walls ? 2.0 * walls : std::max(*verdict.thinnest, 2.0 * voxelSize);
+  covering.voxelSize = voxelSize;
   const double finer = grid.spacing / covering.voxelSize, cubes = finer * finer * grid.surfaceCubes;
   const double samples = finer * finer * finer * double(grid.sampleCount());
   const size_t memory = machine.memoryLimit > 0 ? mostMemory(machine.memoryLimit) : SIZE_MAX;
   const bool areFew =
-      needsAllSamples(repair, machine)
+      needsAllSamples(machine)
           ? samples <= double(std::min(memory / kBytesPerSample, kMostRepairSamples))
-          : cubes <= double(std::min(memory / kBytesPerCube, kMostRepairCubes)) &&
+          : cubes * cubesFor(repair, covering.voxelSize) <=
+                    double(std::min(memory / kBytesPerCube, kMostRepairCubes)) &&
                 finer * std::max({grid.dims.x, grid.dims.y, grid.dims.z}) <= double(kMostAlongSide);
+  if (!areFew && verdict.voxelSize && repair.shell > 0.0)
+    static_cast<Grid&>(grid) = chooseRepairGrid(mesh, {}, options, repair, machine);  // For the walls alone.
   if (!areFew) return grid;
   static_cast<Grid&>(grid) = fit();
   grid.surfaceCubes = cubes;

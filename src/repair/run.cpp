@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "api/field_warnings.h"
+#include "cpu/points/narrow_band.h"
 #include "repair/solid/solid_band.h"
 #include "repair/stages.h"
 
@@ -13,10 +14,14 @@ namespace raymap {
 
 namespace {
 
-/// Returns the width of the band of samples around the surface that a repair reads, in samples.
-double neededBand(const Grid& grid, const RepairOptions& repair) {
+/// Returns the widths of the band of samples around the surface that a repair reads.
+BandOptions neededBand(const Grid& grid, const RepairOptions& repair) {
   constexpr double kBeside = 4.0;  // The isosurface and thin parts read samples beside the moved surface.
-  return kBeside + std::abs(repair.offset) / grid.spacing;
+  const double offset = std::abs(repair.offset) / grid.spacing,
+               radius = 0.5 * repair.drainHole / grid.spacing;
+  // A hole ends outside, where its end is free. Hollows less deep than its radius are filled.
+  return {.outside = offset + std::max(kBeside, radius + 1.0),
+          .inside = offset + kBeside + radius + repair.shell / grid.spacing};
 }
 
 Turns turnsOf(const Stats& stats, size_t faces) {
@@ -58,12 +63,13 @@ RepairRun::RepairRun(const MeshView& mesh, const Grid& lattice, const FieldOptio
 }
 
 void RepairRun::makeSolid() {
-  if (needsAllSamples(options, machine) || fieldOptions.sign != SignMode::Harmonic ||
+  if (needsAllSamples(machine) || fieldOptions.sign != SignMode::Harmonic ||
       fieldOptions.distance != DistanceMode::Exact) {
     FieldOptions how = fieldOptions;
     how.closeHoles = options.closeHoles;
     // The sign jumps far from the surface where holes stay open.
-    how.band = options.shell > 0.0 || !options.closeHoles ? 0.0 : neededBand(grid, options);
+    const BandOptions band = neededBand(grid, options);
+    how.band = options.closeHoles ? std::max(band.outside, band.inside) : 0.0;
     makeDense(how);
   } else {
     makeBand();
@@ -84,9 +90,8 @@ void RepairRun::makeBand() {
   withThreads(machine.threads, [&] {
     const SurfaceOptions how{.orientation = fieldOptions.orientation, .threshold = fieldOptions.threshold};
     surface_ = cpu::prepareSurface(Model(mesh()), how, machine, progress, stats);
-    const double width = neededBand(grid, options);
-    ClosedBand closed = makeClosedBand(*surface_, grid, {.outside = width, .inside = width},
-                                       options.closeHoles, most(), progress);
+    ClosedBand closed =
+        makeClosedBand(*surface_, grid, neededBand(grid, options), options.closeHoles, most(), progress);
     stats.patchTriangles = closed.patchTriangles;
     stats.patchArea = closed.patchArea;
     solid = std::move(closed.field);
@@ -103,9 +108,9 @@ void RepairRun::makeBand() {
 }
 
 void RepairRun::makeSolidAgain() {
-  FieldOptions how = fieldOptions;
-  how.orientation = Orientation::Keep;
-  solid = fieldOf(result, how);
+  solid = {};
+  const cpu::PreparedSurface left = cpu::prepareTurned(result, {}, fieldOptions.threshold, machine, progress);
+  solid = cpu::makeNarrowBand(left, grid, neededBand(grid, options), most(), progress);
 }
 
 Field RepairRun::fieldOf(const MeshView& other, const FieldOptions& different) {

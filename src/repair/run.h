@@ -37,7 +37,7 @@ class RepairRun {
   Mesh& result = repaired.mesh;
   RepairReport& report = repaired.report;
   Mended mended;                 ///< The given mesh with what was certain mended; empty if that is nothing.
-  Field solid;                   ///< Its field, moved by the offset: a narrow band, but for a hollow.
+  Field solid;                   ///< Its field, moved by the offset: a narrow band, or dense.
   bool isCut = false;            ///< Whether the box of the samples cuts a surface off.
   Mesh dropped;                  ///< Surface of the parts that were dropped on request.
   ExpectedPoints expected;       ///< Points that the result should show.

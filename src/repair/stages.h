@@ -60,8 +60,7 @@ void requireParts(const Mesh& surface);
 double surfaceCubes(const MeshView& mesh, double spacing);
 /// Most cubes of a grid that a warning recommends. It takes a few gigabytes.
 inline constexpr double kMostAdvisedCubes = 8.0 * double(kMostRepairCubes);
-/// Returns whether a field needs all of its samples: hollows read how deep samples lie, and a GPU makes no
-/// other fields.
-bool needsAllSamples(const RepairOptions& repair, const MachineOptions& machine);
+/// Returns whether a field has all of its samples: a GPU makes no other fields.
+bool needsAllSamples(const MachineOptions& machine);
 
 }  // namespace raymap

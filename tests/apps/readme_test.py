@@ -1,11 +1,13 @@
 """Runs every command of README.md, docs/choose.md, docs/faq.md and `raymap --help`, as printed, in a folder that holds
-nothing else.
+nothing else, and those of docs/points.md and docs/cli.md, beside files of these names.
 
 readme_test.py RAYMAP README: the program. scripts/check_install.sh tries the code for C++, python/tests/test_docs.py that
 for Python, and CI runs the scripts."""
 
 import os
 import re
+import shutil
+import struct
 import subprocess
 import sys
 import tempfile
@@ -55,6 +57,21 @@ class ReadmeTest(unittest.TestCase):
             self.assertGreater(len(lines), 10, page)
             for line in lines:
                 self.run_line(line)
+
+    def test_commands_beside_files(self):
+        for line in ("example -o scan.ply", "sample scan.ply -o points.csv -n 100", "convert scan.ply -o scan.stl",
+                     "convert scan.ply -o cad.stl"):
+            self.run_line(f"raymap -q {line}")
+        header = b"{'descr': '<f8', 'fortran_order': False, 'shape': (1, 3), }"
+        start = b"\x93NUMPY\1\0" + struct.pack("<H", len(header)) + header
+        (self.folder / "points.npy").write_bytes(start + struct.pack("<3d", 1, 2, 3))
+        for page, most in ("points.md", 3), ("cli.md", 6):
+            text = (README.parent / "docs" / page).read_text()
+            lines = re.findall(r"^    (?!.*man\.)(\w.*)$", text, re.MULTILINE)  # Not those of an animation.
+            self.assertEqual(len(lines), most, page)
+            for line in lines:
+                if all(shutil.which(program) for program in ("zstd", "man") if f"| {program} " in line):
+                    self.run_line(line)
 
     def test_commands_of_the_help(self):
         lines = printed(self.run_line("raymap --help").split("Try it:")[1])

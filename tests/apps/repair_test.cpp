@@ -206,7 +206,7 @@ TEST_F(CliRepair, SaysWhatToMakeOfASheet) {
   EXPECT_NE(guess.err.find("the mesh is a sheet"), std::string::npos) << guess.err;
   EXPECT_NE(guess.err.find(" (" + command + "; or --base Z)\n"), std::string::npos) << guess.err;
   EXPECT_EQ(json("guess.json")["warnings"][0]["code"], "sheet");
-  const Result block = run("repair terrain.stl -o block.stl --base -3 --stats block.json");
+  const Result block = run("repair terrain.stl -o block.stl --base -3 --down 0 0 -1 --stats block.json");
   EXPECT_EQ(block.code, 0);
   EXPECT_EQ(block.err, "");
   EXPECT_NE(block.out.find("\njoined the rim to a base at -3 with "), std::string::npos) << block.out;
@@ -311,6 +311,8 @@ TEST_F(CliRepair, DrillsVents) {
   expectFailure(repair + "--drain-hole 0.3 --drain-holes 0", ErrorCode::Usage, "--drain-holes");
   expectFailure(repair + "--drain-holes 2", ErrorCode::Usage,
                 "--drain-holes needs --drain-hole LENGTH; add it");
+  expectFailure(repair + "--down 0 0 -1", ErrorCode::Usage,
+                "--down needs --base Z or --drain-hole LENGTH; add it");
 }
 
 TEST_F(CliRepair, RepairsInUnitsAndAxes) {

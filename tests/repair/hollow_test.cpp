@@ -1,10 +1,13 @@
 #include "repair/solid/hollow.h"
 
 #include <gtest/gtest.h>
+#include <raymap/raymap.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "analytic_fields.h"
+#include "shapes.h"
 
 namespace raymap {
 namespace {
@@ -158,6 +161,124 @@ TEST(Hollow, IsFilledIfItIsTooShallow) {
   EXPECT_EQ(hollowsOf(solid, kWall, 1.1, filled).size(), 0u);
   EXPECT_EQ(filled, 1u);
   EXPECT_TRUE(std::ranges::none_of(solid.distance, [](float d) { return d < -kWall; }));
+}
+
+/// Returns the samples of a solid that hollows and drain holes need.
+Field bandOf(const Field& solid) {
+  const double reach = kRadius / solid.grid.spacing, wall = kWall / solid.grid.spacing;
+  return toSparse(solid, {.outside = reach + 1.0, .inside = wall + reach + 4.0});
+}
+
+/// A ball around a sealed cavity.
+double cavernousBall(const glm::dvec3& p) {
+  return std::max(analytic::sphere(p, 4.5), -analytic::sphere(p, 0.6));
+}
+
+/// Two balls, one higher.
+double balls(const glm::dvec3& p) {
+  return std::min(analytic::sphere(p - glm::dvec3(-2.4, 0, 0), 2.3),
+                  analytic::sphere(p - glm::dvec3(2.4, 0, 0.5), 2.3));
+}
+
+TEST(Hollow, IsTheSameInANarrowBand) {
+  struct Case {
+    double (*distance)(const glm::dvec3&);
+    double wall;
+    size_t hollows;
+    size_t tiles;
+  };
+  for (const Case& each : {Case{table, kWall, 1, 0}, Case{balls, kWall, 2, 1},
+                           Case{cavernousBall, kWall, 1, 1}, Case{table, 0.9, 0, 0}}) {
+    Field dense = analytic::sampled(analytic::cube(123, 10.0), each.distance), band = bandOf(dense);
+    EXPECT_GE(band.narrow->tiles.size(), each.tiles);
+    size_t filled = 0, filledInBand = 0;
+    const std::vector<Hollow> expected = hollowsOf(dense, each.wall, kRadius, filled);
+    const std::vector<Hollow> found = hollowsOf(band, each.wall, kRadius, filledInBand);
+    EXPECT_EQ(filledInBand, filled);
+    ASSERT_EQ(expected.size(), each.hollows);
+    ASSERT_EQ(found.size(), each.hollows);
+    std::vector<DrainHole> holes;
+    for (size_t h = 0; h < found.size(); ++h) {
+      EXPECT_EQ(std::isinf(found[h].deepest), each.tiles > 0);
+      EXPECT_EQ(found[h].floors.size(), expected[h].floors.size());
+      EXPECT_NEAR(found[h].lowest.z, expected[h].lowest.z, 0.01);
+      EXPECT_NEAR(found[h].highest.z, expected[h].highest.z, 0.01);
+      for (const DrainHole& hole : placeHoles(band, found[h], 3, kRadius, kDown)) {
+        holes.push_back(hole);
+        EXPECT_NEAR(glm::distance(exitOf(band, hole).position, exitOf(dense, hole).position), 0.0, 1e-6);
+      }
+    }
+    EXPECT_GE(holes.size(), 2 * found.size());
+    for (Field* solid : {&dense, &band}) {
+      hollowOut(*solid, each.wall);
+      for (const DrainHole& hole : holes) drill(*solid, hole);
+    }
+    validate(band);
+    size_t differing = 0, inside = 0;
+    for (size_t i = 0; i < dense.distance.size(); ++i) {
+      const glm::ivec3 sample(i % 123, i / 123 % 123, i / (123 * 123));
+      differing += (dense.distance[i] < 0.0f) == (band.distanceAt(sample) < 0.0f) ? 0 : 1;
+      inside += dense.distance[i] < 0.0f ? 1 : 0;
+    }
+    EXPECT_EQ(differing, 0u);
+    EXPECT_GT(inside, 10000u);
+  }
+}
+
+/// A box along the diagonal of a cube.
+Mesh obliqueBox(double length, double width) {
+  const glm::dvec3 axis = glm::normalize(glm::dvec3(1.0)), u = glm::normalize(glm::dvec3(1, -1, 0));
+  const glm::dmat3 turn(u, glm::cross(axis, u), axis);
+  const Mesh box = shapes::box({0, 0, 0}, {width, width, length});
+  std::vector<glm::dvec3> points;
+  for (uint32_t v = 0; v < box.vertices.size(); ++v) points.push_back(turn * box.position(v));
+  return makeMesh(points, box.triangles);
+}
+
+TEST(Hollow, IsMadeWhereNoDenseFieldFits) {
+  constexpr double kLength = 3000.0, kWidth = 16.0, kThin = 4.0;
+  const Mesh mesh = obliqueBox(kLength, kWidth);
+  const Grid grid = fitGrid(mesh, {.voxelSize = 1.0});
+  EXPECT_GE(4 * grid.sampleCount(), size_t{32} << 30);
+  RepairOptions options{
+      .shell = kThin, .drainHole = 4.0, .drainHoles = 2, .tolerance = 0.0, .measure = false};
+  const Repaired made = repair(mesh, grid, {}, options);
+  EXPECT_EQ(made.report.hollows, 1u);
+  EXPECT_EQ(made.report.filledHollows, 0u);
+  EXPECT_EQ(made.report.solids, 1u);
+  EXPECT_EQ(made.report.cavities, 0u);
+  ASSERT_EQ(made.report.drainHoles, 2u);
+  const Diagnostics found = diagnose(made.mesh);
+  EXPECT_TRUE(found.watertight);
+  const double inner = kWidth - 2.0 * kThin;
+  const double volume = kWidth * kWidth * kLength - inner * inner * (kLength - 2.0 * kThin);
+  EXPECT_NEAR(found.signedVolume, volume, 0.01 * volume);
+  // Its lowest corner is at (0, 0, 0), its highest at the other end.
+  EXPECT_LT(glm::length(made.report.drainHolePlaces[0].position), 3.0 * kWidth);
+  EXPECT_NEAR(glm::length(made.report.drainHolePlaces[1].position), kLength, 3.0 * kWidth);
+
+  options.drainHole = 10.0;  // The hollow is 8 wide.
+  const Repaired solid = repair(mesh, grid, {}, options);
+  EXPECT_EQ(solid.report.hollows, 0u);
+  EXPECT_EQ(solid.report.filledHollows, 1u);
+  EXPECT_NEAR(diagnose(solid.mesh).signedVolume, kWidth * kWidth * kLength, 0.01 * volume);
+}
+
+TEST(Hollow, IsLeftInAllNestedSolids) {
+  using shapes::inverted;
+  const Mesh mesh = shapes::joined(shapes::joined(shapes::sphere(10.0, 4), inverted(shapes::sphere(6.0, 4))),
+                                   shapes::sphere(4.0, 4));
+  const Grid grid = fitGrid(mesh, {.voxelSize = 0.25});
+  const RepairOptions options{.shell = 1.0, .keepCavities = true, .measure = false};
+  const Repaired band = repair(mesh, grid, {}, options);
+  const Repaired dense = repair(mesh, grid, {.sign = SignMode::Exact}, options);
+  for (const Repaired* made : {&band, &dense}) {
+    EXPECT_EQ(made->report.hollows, 2u);
+    EXPECT_EQ(made->report.solids, 3u);
+    EXPECT_EQ(made->report.cavities, 3u);
+    const double cubes = 1000 - 9 * 81 + 7 * 49 - 216 + 64 - 27;
+    EXPECT_NEAR(diagnose(made->mesh).signedVolume, 4.18879 * cubes, 0.01 * 4.18879 * cubes);
+  }
 }
 
 }  // namespace

@@ -185,8 +185,14 @@ TEST(SolidBand, KeepsARodThatNoDenseGridHolds) {
 
 TEST(SolidBand, OfAGridIsBoundedByTheCubesAtTheSurface) {
   const Mesh rod = obliqueRod(4000.0, 1.0);
-  const RepairGrid dense = fitRepairGrid(rod, {}, {.shell = 0.1});
-  EXPECT_FALSE(dense.keepsThinnest());  // A hollow needs all samples.
+  EXPECT_TRUE(fitRepairGrid(rod, {}, {.shell = 2.0}).keepsThinnest());
+  EXPECT_EQ(fitRepairGrid(rod, {}, {.shell = 1.5}).spacing, 0.75);
+  EXPECT_EQ(fitRepairGrid(rod, {}, {.shell = 1.5, .drainHole = 1.4}).spacing, 0.7);
+  const Mesh plate = shapes::box(glm::dvec3(0.0), glm::dvec3(400.0, 400.0, 1.0));
+  EXPECT_EQ(fitRepairGrid(plate, {}, {.shell = 3.0}).spacing, 1.5);  // The walls, if the rest takes too many.
+  EXPECT_FALSE(fitRepairGrid(plate, {}, {.shell = 3.0}).keepsThinnest());
+  // It has two surfaces, and samples in its walls.
+  EXPECT_FALSE(fitRepairGrid(rod, {}, {.shell = 4000.0}).keepsThinnest());
   EXPECT_FALSE(fitRepairGrid(rod, {}, {}, {.device = "vulkan"}).keepsThinnest());
   EXPECT_FALSE(fitRepairGrid(rod, {}, {}, {.memoryLimit = size_t{1} << 23}).keepsThinnest());
   // A wide plate as thin as the rod has too many cubes.

@@ -205,8 +205,7 @@ void findAlong(const SurfaceTree& tree, const glm::vec3& from, const glm::vec3& 
 /// Returns the end of the segments from `begin` on that share one search.
 size_t endOfGroup(std::span<const glm::vec3> from, std::span<const glm::vec3> to, size_t begin,
                   Extent& extent) {
-  constexpr float kWide = 1.5f;   // Most radius of a group, in lengths of its first segment,
-  constexpr float kLeast = 0.5f;  // or, if that is more, in cells.
+  constexpr float kWide = 1.5f, kLeast = 0.5f;  // Most radius in lengths of the first segment, or in cells.
   constexpr size_t kMost = 64;
   const float most = std::max(kWide * glm::distance(from[begin], to[begin]), kLeast);
   size_t end = begin;

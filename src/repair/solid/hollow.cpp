@@ -8,15 +8,18 @@
 #include <utility>
 
 #include "base/parallel.h"
-#include "field/field_sampler.h"
+#include "field/leaf_order.h"
+#include "field/sample_places.h"
 #include "mesh/pieces.h"
+#include "repair/solid/solid_band.h"
 #include "repair/stages.h"
 
 namespace raymap {
 
 namespace {
 
-constexpr double kLevel = 0.8;  // Cosine of the steepest slope of a floor.
+constexpr double kLevel = 0.8;      // Cosine of the steepest slope of a floor.
+constexpr double kSpacious = 1e-3;  // Share of the space around a hole's place that counts as its depth.
 
 /// Returns the number of solids that lie in cavities.
 size_t countLoose(const Mesh& mesh) {
@@ -57,78 +60,102 @@ void warnOfHoles(const RepairReport& report, const RepairOptions& repair, const 
           {.count = asked - report.drainHoles}});
 }
 
-glm::ivec3 placeOf(const Grid& grid, size_t sample) {
-  const size_t x = size_t(grid.dims.x), y = size_t(grid.dims.y);
-  return {sample % x, sample / x % y, sample / (x * y)};
-}
-
-/// Flood fill of one hollow at a time.
+/// Flood fill of one hollow at a time, through samples and tiles. Tiles are numbered after the values.
 class Flood {
  public:
-  Flood(const Field& solid, double wall, const glm::dvec3& down)
+  Flood(const Field& solid, double wall, double least, const glm::dvec3& down)
       : solid_(solid),
-        sampler_(solid),
+        places_(solid),
         wall_(wall),
+        least_(least),
         down_(glm::normalize(down)),
-        isSeen_(solid.distance.size()) {}
+        isSeen_(solid.distance.size() + (solid.narrow ? solid.narrow->tiles.size() : 0)) {}
 
-  bool isNew(size_t sample) const { return !isSeen_[sample] && solid_.distance[sample] < -wall_; }
+  bool isNew(size_t number) const {
+    return !isSeen_[number] && (isTile(number) || solid_.distance[number] < -wall_);
+  }
 
   Hollow follow(size_t first) {
     Hollow hollow;
     double low = -INFINITY, high = -INFINITY;
-    samples_.clear();
-    push(first);
-    size_t next = 0;
-    while (next < samples_.size()) {
-      const size_t sample = samples_[next++];
-      const glm::ivec3 place = placeOf(solid_.grid, sample);
-      const double room = -wall_ - double(solid_.distance[sample]);
+    numbers_.clear();
+    visit(places_.at(first));
+    for (size_t next = 0; next < numbers_.size(); ++next) {
+      const size_t number = numbers_[next];
+      if (isTile(number)) {
+        const NarrowBand::Tile& tile = solid_.narrow->tiles[number - solid_.distance.size()];
+        hollow.deepest = INFINITY;
+        visitBeside(tile.low, glm::min(glm::ivec3(tile.side), solid_.grid.dims - tile.low));
+        continue;
+      }
+      const glm::ivec3 place = places_.at(number);
+      const double room = -wall_ - double(solid_.distance[number]);
       hollow.deepest = std::max(hollow.deepest, room);
       // A ball of radius `room` around the sample is free.
       const glm::dvec3 step = room / solid_.grid.spacing * down_;
       const glm::dvec3 lowest = glm::dvec3(place) + step, highest = glm::dvec3(place) - step;
-      if (const double d = glm::dot(lowest, down_); d > low) low = d, hollow.lowest = lowest;
-      if (const double d = -glm::dot(highest, down_); d > high) high = d, hollow.highest = highest;
+      const double space = kSpacious * std::min(room, least_) / solid_.grid.spacing;
+      if (const double d = space + glm::dot(lowest, down_); d > low) low = d, hollow.lowest = lowest;
+      if (const double d = space - glm::dot(highest, down_); d > high) high = d, hollow.highest = highest;
       if (room < solid_.grid.spacing && isLevel(place)) hollow.floors.push_back(lowest);
-      visitNeighbours(place);
+      visitBeside(place, glm::ivec3(1));
     }
     return hollow;
   }
 
-  /// Makes the last hollow part of the wall.
+  /// Makes the last hollow, which has no tiles, part of the wall.
   void fill(Field& solid) const {
-    for (const uint32_t sample : samples_) solid.distance[sample] = static_cast<float>(-0.5 * wall_);
+    for (const size_t place : numbers_) solid.distance[place] = static_cast<float>(-0.5 * wall_);
   }
 
  private:
-  void push(size_t sample) {
-    isSeen_[sample] = true;
-    samples_.push_back(static_cast<uint32_t>(sample));
-  }
+  bool isTile(size_t number) const { return number >= solid_.distance.size(); }
 
   /// Returns whether the nearest wall is below a sample.
-  bool isLevel(const glm::ivec3& place) const {
-    const glm::dvec3 outwards = sampler_.gradient(glm::dvec3(place));
-    return glm::dot(outwards, down_) > kLevel * glm::length(outwards);
-  }
-
-  void visitNeighbours(const glm::ivec3& place) {
+  bool isLevel(const glm::ivec3& place) {
+    glm::dvec3 outwards(0.0);
     for (int axis = 0; axis < 3; ++axis)
       for (const int step : {-1, 1}) {
         glm::ivec3 next = place;
         next[axis] += step;
-        if (next[axis] < 0 || next[axis] >= solid_.grid.dims[axis]) continue;
-        if (const size_t sample = solid_.grid.index(next); isNew(sample)) push(sample);
+        if (const int64_t found = places_.find(next); found >= 0)
+          outwards[axis] += step * double(solid_.distance[size_t(found)]);
       }
+    return glm::dot(outwards, down_) > kLevel * glm::length(outwards);
+  }
+
+  /// Visits the samples beside a box of them.
+  void visitBeside(const glm::ivec3& low, const glm::ivec3& size) {
+    for (int axis = 0; axis < 3; ++axis)
+      for (const int step : {-1, size[axis]})
+        for (int v = 0; v < size[(axis + 2) % 3]; ++v)
+          for (int u = 0; u < size[(axis + 1) % 3]; ++u) {
+            glm::ivec3 next = low;
+            next[axis] += step;
+            next[(axis + 1) % 3] += u;
+            next[(axis + 2) % 3] += v;
+            visit(next);
+          }
+  }
+
+  void visit(const glm::ivec3& sample) {
+    int64_t found = places_.find(sample);
+    if (found == LeafTree::kInside) {
+      const auto& tiles = solid_.narrow->tiles;
+      const auto after = std::ranges::upper_bound(tiles, sample, comesBefore, &NarrowBand::Tile::low);
+      found = int64_t(solid_.distance.size()) + (after - tiles.begin()) - 1;
+    }
+    if (found < 0 || !isNew(size_t(found))) return;
+    isSeen_[size_t(found)] = true;
+    numbers_.push_back(size_t(found));
   }
 
   const Field& solid_;
-  FieldSampler sampler_;
-  double wall_;
+  SamplePlaces places_;
+  double wall_, least_;
   glm::dvec3 down_;
   std::vector<bool> isSeen_;
-  std::vector<uint32_t> samples_;  // Samples of the last hollow, in the order of the fill.
+  std::vector<size_t> numbers_;  // Those of the last hollow, in the order of the fill.
 };
 
 }  // namespace
@@ -143,7 +170,7 @@ double DrainHole::distance(const glm::dvec3& p) const {
 std::vector<Hollow> findHollows(Field& solid, double wall, double least, const glm::dvec3& down,
                                 size_t& filled) {
   std::vector<Hollow> hollows;
-  Flood flood(solid, wall, down);
+  Flood flood(solid, wall, least, down);
   for (size_t sample = 0; sample < solid.distance.size(); ++sample) {
     if (!flood.isNew(sample)) continue;
     Hollow hollow = flood.follow(sample);
@@ -164,17 +191,18 @@ void hollowOut(Field& solid, double wall) {
       d = std::max(d, static_cast<float>(-(double(d) + wall)));
     }
   });
+  if (solid.narrow) solid.narrow->tiles.clear();
 }
 
 DrainHole placeHole(const Field& solid, const glm::dvec3& start, double radius, const glm::dvec3& direction) {
   const Grid& grid = solid.grid;
-  const FieldSampler sampler(solid);
+  const SolidSampler sampler(solid);
   const double reach = radius / grid.spacing;
   const glm::dvec3 step = glm::normalize(direction);
   // The hole ends where the solid is farther than its radius, so the whole of its end is free. It is at most
   // as long as the grid's diagonal.
   glm::dvec3 end = start;
-  for (const double last = glm::length(sampler.last()); glm::distance(end, start) <= last;) {
+  for (const double last = glm::length(glm::dvec3(grid.dims - 1)); glm::distance(end, start) <= last;) {
     end += 0.5 * step;
     if (sampler.value(end) > reach) break;
   }
@@ -202,7 +230,7 @@ std::vector<DrainHole> placeHoles(const Field& solid, const Hollow& hollow, int 
 
 DrainHolePlace exitOf(const Field& solid, const DrainHole& hole) {
   constexpr double kStep = 0.125;  // In samples.
-  const FieldSampler sampler(solid);
+  const SolidSampler sampler(solid);
   // glm::normalize multiplies by a rounded inverse, and gives -0.9999999999999999 along an axis.
   const glm::dvec3 way = hole.end - hole.start, direction = way / glm::length(way);
   const auto place = [&](const glm::dvec3& p) { return (p - solid.grid.origin) / solid.grid.spacing; };
@@ -226,10 +254,13 @@ void drill(Field& solid, const DrainHole& hole) {
       glm::max(glm::ivec3(glm::floor(glm::min(place(hole.start), place(hole.end)) - reach)), 0);
   const glm::ivec3 high =
       glm::min(glm::ivec3(glm::ceil(glm::max(place(hole.start), place(hole.end)) + reach)), grid.dims - 1);
+  SamplePlaces places(solid);
   for (int k = low.z; k <= high.z; ++k)
     for (int j = low.y; j <= high.y; ++j)
       for (int i = low.x; i <= high.x; ++i) {
-        float& d = solid.distance[grid.index({i, j, k})];
+        const int64_t place = places.find({i, j, k});
+        if (place < 0) continue;
+        float& d = solid.distance[size_t(place)];
         d = std::max(d, static_cast<float>(-hole.distance(grid.position({i, j, k}))));
       }
 }

@@ -19,12 +19,12 @@ struct DrainHole {
 /// A connected part of the space inside the walls. Points are in samples.
 struct Hollow {
   glm::dvec3 lowest, highest;
-  double deepest = 0.0;            ///< Largest distance from the walls, in the field's units.
+  double deepest = 0.0;  ///< Largest distance from the walls, in the field's units; infinite beyond the band.
   std::vector<glm::dvec3> floors;  ///< Points on level floors, for further holes.
 };
 
 /// Returns the hollows of a solid with walls `wall` thick. Fills hollows less than `least` deep, and adds
-/// their number to `filled`.
+/// their number to `filled`. A narrow band must be deeper than both together.
 std::vector<Hollow> findHollows(Field& solid, double wall, double least, const glm::dvec3& down,
                                 size_t& filled);
 
