@@ -49,8 +49,8 @@ std::vector<uint32_t> settle(const Mesh& closed, bool mayTurn, SettledUnion& set
   return crossed;
 }
 
-/// Moves the corners of faces along their normals: farther in every attempt, but the same in every run. Returns
-/// how many moved.
+/// Moves the corners of faces along their normals: farther in every attempt, but the same in every run.
+/// Returns how many moved.
 size_t moveCorners(Mesh& mesh, const std::vector<uint32_t>& faces, uint32_t attempt) {
   constexpr double kLeast = 2e-6;  // Share of the size: more than rounding, less than anybody sees.
   const glm::dvec3 size = bounds(mesh).size();

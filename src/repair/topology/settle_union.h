@@ -19,8 +19,9 @@ struct SettledUnion {
 };
 
 /// Unites a balanced mesh (`uniteFaces`) and rounds the result. Where faces cross then, it is united again.
-/// Where that does not help, as walls lie almost in one plane, vertices of the faces there move, and all starts
-/// anew: four times at most, first by up to 2e-6 of the mesh's size, then by up to twice as much each time.
+/// Where that does not help, as walls lie almost in one plane, vertices of the faces there move, and all
+/// starts anew: four times at most, first by up to 2e-6 of the mesh's size, then by up to twice as much each
+/// time.
 SettledUnion settleUnion(Mesh closed, bool mayTurn);
 
 }  // namespace raymap
