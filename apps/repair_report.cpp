@@ -79,6 +79,8 @@ void printMended(const RepairReport& report, const std::optional<double>& base) 
   if (report.sewnVertices > 0)
     words += (words.empty() ? "" : ", ") + ("joined " + counted(report.sewnVertices, "pair")) +
              " of vertices across cracks";
+  if (report.movedVertices > 0)
+    words += (words.empty() ? "" : ", ") + ("moved " + counted(report.movedVertices, "corner")) + " slightly";
   if (report.closingFaces > 0 && !base)
     words += (words.empty() ? "" : ", ") + ("closed " + counted(report.closedHoles, "hole")) + " with " +
              counted(report.closingFaces, "face");

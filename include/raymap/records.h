@@ -202,6 +202,7 @@ void forEachMember(const RepairReport& report, auto&& use) {
   use("cleaned_faces", report.cleanedFaces);
   use("united_faces", report.unitedFaces);
   use("sewn_vertices", report.sewnVertices);
+  use("moved_vertices", report.movedVertices);
   use("closed_holes", report.closedHoles);
   use("closing_faces", report.closingFaces);
   use("least_thickness", report.leastThickness);

@@ -162,7 +162,10 @@ struct RepairReport {
   /// Number of faces that were cut where they cross, overlap or touch others, so that the faces that bound
   /// the union could be kept. 0 also if no face was, but parts in others went.
   size_t unitedFaces = 0;
-  size_t sewnVertices = 0;      ///< Number of vertices that were joined to others across cracks.
+  size_t sewnVertices = 0;  ///< Number of vertices that were joined to others across cracks.
+  /// Number of vertices that were moved, by at most 3e-5 of the mesh's size, so that no faces cross once
+  /// they are rounded.
+  size_t movedVertices = 0;
   size_t closedHoles = 0;       ///< Number of holes that faces were added to close, before anything else.
   size_t closingFaces = 0;      ///< Number of these faces, with the walls to a base.
   double leastThickness = 0.0;  ///< Thickness of the plates in place of thinner parts; 0 = none made.

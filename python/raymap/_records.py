@@ -494,6 +494,9 @@ class RepairReport(TypedDict):
     could be kept. 0 also if no face was, but parts in others went."""
     sewn_vertices: int
     """Number of vertices that were joined to others across cracks."""
+    moved_vertices: int
+    """Number of vertices that were moved, by at most 3e-5 of the mesh's size, so that no faces cross once they are
+    rounded."""
     closed_holes: int
     """Number of holes that faces were added to close, before anything else."""
     closing_faces: int

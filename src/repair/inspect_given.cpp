@@ -106,6 +106,7 @@ void keepUnited(RepairRun& run) {
   run.report.unitedFaces = united.cutFaces;
   run.report.cleanedFaces = united.cleanedFaces;
   run.report.sewnVertices = united.sewnVertices;
+  run.report.movedVertices = united.movedVertices;
   run.report.buriedShare = united.buriedShare;
   run.report.stats.invertedParts = std::move(united.inverted.firsts);
   warnOfInvertedParts(run.report.stats, run.machine.warn);

@@ -51,6 +51,40 @@ TEST(UniteParts, UnitesBoxesWithWallsInOnePlane) {
               28.0);
 }
 
+/// Returns a wall of boxes, whose sides are turned against each other by less than anybody sees.
+Mesh wallOfBoxes(uint32_t seed) {
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<float> turn(-3e-5f, 3e-5f);
+  Mesh wall;
+  for (int i = 0; i < 4; ++i)
+    for (int j = 0; j < 4; ++j) {
+      Mesh box = shapes::box({0, 0, 0}, {1, 1, 1});
+      glm::mat4 place = glm::rotate(glm::mat4(1.0f), 0.7f, {1, 2, 3});
+      place = glm::translate(place, {i, j, 0.25f * float(i % 2)});
+      for (int axis = 0; axis < 3; ++axis) {
+        glm::vec3 about(0.0f);
+        about[axis] = 1.0f;
+        place = glm::rotate(place, turn(random), about);
+      }
+      for (glm::vec3& v : box.vertices) v = glm::vec3(place * glm::vec4(v, 1.0f));
+      wall = joined(wall, box);
+    }
+  return wall;
+}
+
+TEST(UniteParts, UnitesWallsThatLieAlmostInOnePlane) {
+  size_t moved = 0;
+  for (uint32_t seed = 0; seed < 8; ++seed) {
+    const UnitedParts united = uniteParts(Model(wallOfBoxes(seed)));
+    ASSERT_EQ(united.failure, FieldReason::None) << seed;
+    const Diagnostics found = diagnose(united.mesh);
+    EXPECT_TRUE(isAllRight(Model(united.mesh)));
+    EXPECT_NEAR(found.signedVolume, 16.0, 2e-3);
+    moved += united.movedVertices > 0;
+  }
+  EXPECT_GT(moved, 0u);
+}
+
 TEST(UniteParts, LeavesOutWhatOthersContain) {
   const Mesh outer = shapes::box({0, 0, 0}, {3, 3, 3});
   expectUnion(join({outer, shapes::box({1, 1, 1}, {2, 2, 2})}), 27.0, 54.0);

@@ -100,10 +100,14 @@ bool crossesNowhere(const SelfIntersections& crossing) {
 }
 
 bool isAllRight(const Model& mesh) {
+  SelfIntersections crossing;
+  return looksRight(diagnose(mesh, {.brief = true})) && isAllRight(mesh, crossing);
+}
+
+bool isAllRight(const Model& mesh, SelfIntersections& crossing) {
+  crossing = findSelfIntersections(mesh);
   const Diagnostics found = diagnose(mesh, {.brief = true});
-  if (!looksRight(found)) return false;
-  const SelfIntersections crossing = findSelfIntersections(mesh);
-  return crossesNowhere(crossing) && isRight(arrangeParts(mesh, found, crossing));
+  return looksRight(found) && crossesNowhere(crossing) && isRight(arrangeParts(mesh, found, crossing));
 }
 
 Mended mend(const Model& mesh, const Diagnostics& found, const SelfIntersections& crossing,

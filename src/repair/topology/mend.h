@@ -25,6 +25,8 @@ std::vector<uint32_t> turnBack(Mesh& mesh);
 
 /// Returns whether nothing at all is wrong with a mesh.
 bool isAllRight(const Model& mesh);
+/// The same, with the faces that cross, which are found in any case.
+bool isAllRight(const Model& mesh, SelfIntersections& crossing);
 
 /// A mesh with what is certain mended: faces turned back, holes closed.
 struct Mended {

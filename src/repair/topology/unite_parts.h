@@ -19,6 +19,7 @@ struct UnitedParts {
   size_t cutFaces = 0;                 ///< Number of faces that were cut, also to part solids at edges.
   size_t cleanedFaces = 0;             ///< Number of degenerate and repeated faces that were removed.
   size_t sewnVertices = 0;             ///< Number of vertices that went as cracks were closed.
+  size_t movedVertices = 0;            ///< Number of vertices that moved so that no faces cross once rounded.
   double buriedShare = 0.0;            ///< Share of the area that lies within the union.
   FilledHoles filled = {};             ///< Holes that were closed, and the faces that do.
   InvertedParts inverted = {};         ///< Parts that were inside out, crossed others and were turned.

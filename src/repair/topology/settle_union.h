@@ -1,0 +1,27 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "mesh/unite_faces.h"
+
+namespace raymap {
+
+/// The union of a mesh, rounded to single precision without faces that cross.
+struct SettledUnion {
+  Mesh mesh = {};
+  std::vector<uint32_t> sources = {};  ///< Face of the closed mesh that each face is a part of.
+  UnitedFaces exact = {};              ///< The union before anything was rounded or moved.
+  size_t partedFaces = 0;              ///< Number of faces that were cut to part solids at edges.
+  size_t movedVertices = 0;            ///< Number of vertices of the closed mesh that were moved.
+  bool isRight = false;                ///< Whether nothing is wrong with it.
+};
+
+/// Unites a balanced mesh (`uniteFaces`) and rounds the result. Where faces cross then, it is united again.
+/// Where that does not help, as walls lie almost in one plane, vertices of the faces there move, and all
+/// starts anew: four times at most, first by up to 2e-6 of the mesh's size, then by up to twice as much each
+/// time.
+SettledUnion settleUnion(Mesh closed, bool mayTurn);
+
+}  // namespace raymap
