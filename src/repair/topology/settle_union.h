@@ -18,10 +18,10 @@ struct SettledUnion {
   bool isRight = false;                ///< Whether nothing is wrong with it.
 };
 
-/// Unites a balanced mesh (`uniteFaces`) and rounds the result. Where faces cross then, it is united again.
-/// Where that does not help, as walls lie almost in one plane, vertices of the faces there move, and all
-/// starts anew: four times at most, first by up to 2e-6 of the mesh's size, then by up to twice as much each
-/// time.
+/// Unites a balanced mesh (`uniteFaces`) and rounds the result. If faces cross then, it unites that again.
+/// Walls that lie almost in one plane may cross ever more often. Then the corners of crossing faces move in
+/// the mesh, and all starts anew: at most four times, by up to 2e-6 of the mesh's size, and twice as much
+/// each time.
 SettledUnion settleUnion(Mesh closed, bool mayTurn);
 
 }  // namespace raymap
