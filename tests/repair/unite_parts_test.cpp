@@ -231,6 +231,25 @@ TEST(UniteParts, TurnsFacesBackBeforeItClosesHoles) {
   EXPECT_EQ(uniteParts(Model(open), InsideOut::Kept, true).failure, FieldReason::Open);
 }
 
+TEST(UniteParts, KeepsFacesBesideFewThatContradictEachOther) {
+  // Half of the faces of a tetrahedron contradict the other half. Nobody can tell which are right.
+  const auto withTetrahedron = [](float size) {
+    Mesh tetrahedron{.vertices = {{2, 0, 0}, {2 + size, 0, 0}, {2, size, 0}, {2, 0, size}},
+                     .triangles = {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}}};
+    for (const size_t f : {0, 1}) std::swap(tetrahedron.triangles[f].y, tetrahedron.triangles[f].z);
+    return join({shapes::sphere(1.0, 3), tetrahedron});
+  };
+  const Mesh ball = shapes::sphere(1.0, 3);
+  const UnitedParts united = uniteParts(Model(withTetrahedron(0.02F)), InsideOut::Turned, true);
+  ASSERT_EQ(united.failure, FieldReason::None);
+  EXPECT_TRUE(isAllRight(Model(united.mesh)));
+  EXPECT_NEAR(diagnose(united.mesh).signedVolume, diagnose(ball).signedVolume, 1e-5);
+  for (size_t f = 0; f < ball.triangles.size(); ++f)
+    for (int c = 0; c < 3; ++c)
+      ASSERT_EQ(united.mesh.position(united.mesh.triangles[f][c]), ball.position(ball.triangles[f][c]));
+  EXPECT_EQ(uniteParts(Model(withTetrahedron(1.0F)), InsideOut::Turned, true).failure, FieldReason::Open);
+}
+
 TEST(UniteParts, ClosesHolesThatEndAtEdgesOfThreeFaces) {
   // A box without a side, and a box whose edge lies on the rim of the hole: that edge has three faces.
   Mesh open = shapes::box({0, 0, 0}, {2, 2, 2});

@@ -45,7 +45,7 @@ std::string nameText(std::string name) {
 
 /// Writes the files of the materials, as seen from the folder of the mesh.
 void writeLibraries(std::ostream& out, const WritableMesh& mesh) {
-  const bool isStream = mesh.folder.string().starts_with("/dev");
+  const bool isStream = (mesh.folder / "").string().starts_with("/dev/");
   for (const std::filesystem::path& library : mesh.attributes->libraries) {
     std::error_code error;
     const std::filesystem::path folder =

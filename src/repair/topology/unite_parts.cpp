@@ -8,6 +8,7 @@
 
 #include "mesh/compact.h"
 #include "mesh/diagnostics.h"
+#include "mesh/triangle.h"
 #include "repair/topology/clean_faces.h"
 #include "repair/topology/mend.h"
 #include "repair/topology/settle_union.h"
@@ -15,7 +16,23 @@
 
 namespace raymap {
 
+namespace {
+
+/// Returns the area of the last faces of a mesh.
+double areaOfLast(const Mesh& mesh, size_t count) {
+  double area = 0.0;
+  for (size_t f = mesh.triangles.size() - count; f < mesh.triangles.size(); ++f) {
+    const glm::uvec3& t = mesh.triangles[f];
+    area += triangleArea(glm::dvec3(mesh.vertices[t.x]), glm::dvec3(mesh.vertices[t.y]),
+                         glm::dvec3(mesh.vertices[t.z]));
+  }
+  return area;
+}
+
+}  // namespace
+
 UnitedParts uniteParts(const Model& given, InsideOut insideOut, bool closesHoles) {
+  constexpr double kLittle = 1e-3;  // Share of the area.
   UnitedParts united{.mesh = weldedCopy(given)};
   std::vector<uint32_t> faces;  // Of the given mesh, if some were left out.
   std::vector<uint32_t> back;   // Faces that contradict their part.
@@ -32,10 +49,12 @@ UnitedParts uniteParts(const Model& given, InsideOut insideOut, bool closesHoles
     if (closesHoles) united.sewnVertices = sewCracks(united.mesh);
     if (const Diagnostics found = diagnose(united.mesh); !found.balanced) {
       if (found.sheets > 0) return {.failure = FieldReason::Sheet};
-      // Between faces that contradict each other is no hole, unless a crack was between them.
-      if (closesHoles && isConsistent && (insideOut == InsideOut::Turned || found.consistentlyOriented))
+      if (closesHoles && (insideOut == InsideOut::Turned || found.consistentlyOriented))
         united.filled = fillHoles(united.mesh);
       if (united.filled.holes == 0) return {.failure = FieldReason::Open};
+      // Between faces that contradict each other is no hole: patches there cut grooves.
+      if (!isConsistent && areaOfLast(united.mesh, united.filled.faces) > kLittle * found.area)
+        return {.failure = FieldReason::Open};
     }
   }
   if (insideOut == InsideOut::Turned) united.inverted = findInvertedParts(united.mesh);
