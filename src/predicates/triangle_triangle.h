@@ -156,9 +156,18 @@ inline bool areBeside(const CornerSides& sides) {
   return sides[0] != 0 && sides[0] == sides[1] && sides[0] == sides[2];
 }
 
-/// Returns whether one corner of a triangle lies in a plane, and the others on one side of it.
-inline bool standsOnCorner(const CornerSides& sides) {
-  return std::ranges::count(sides, 0) == 1 && !areOnBoth(sides);
+/// Returns whether two triangles with one common corner have no other point in common, or false if an edge of
+/// one lies in the other's plane. From the corner, each reaches along the common line of the planes if its
+/// other corners are on both sides of the other's plane; which way follows from the order of these sides.
+inline bool meetAtCornerOnly(const WholeTriangle& a, const CornerSides& ofA, const WholeTriangle& b,
+                             const CornerSides& ofB) {
+  for (size_t i = 0; i < 3; ++i) {
+    const auto j = size_t(std::ranges::find(b, a[i]) - b.begin());
+    if (j == 3) continue;
+    const int q = ofA[(i + 1) % 3], r = ofA[(i + 2) % 3], s = ofB[(j + 1) % 3], t = ofB[(j + 2) % 3];
+    return q * r > 0 || s * t > 0 || (q * r < 0 && s * t < 0 && q * s > 0);
+  }
+  return false;
 }
 
 /// Returns how two triangles may meet: as `meet` does, but also if they touch outside of common corners and
@@ -174,7 +183,7 @@ inline Meeting mayTouch(const WholeTriangle& a, const WholePlane& planeOfA, cons
   if (areBeside(ofA)) return Meeting::None;
   const auto common =
       std::ranges::count_if(a, [&](const glm::ivec3& p) { return std::ranges::find(b, p) != b.end(); });
-  if (common > 1 || (common == 1 && (standsOnCorner(ofA) || standsOnCorner(ofB)))) return Meeting::None;
+  if (common > 1 || (common == 1 && meetAtCornerOnly(a, ofA, b, ofB))) return Meeting::None;
   return Meeting::Cross;
 }
 

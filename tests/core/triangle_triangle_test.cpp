@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <random>
 
 namespace raymap {
@@ -103,6 +104,43 @@ TEST(TriangleTriangle, CrossEachOtherWhateverTheOrderOfCornersAndThePrecision) {
     ASSERT_EQ(areCrossing(scaled(a), scaled(b), false), isCrossing);
   }
   EXPECT_GT(crossing, 1000u);
+}
+
+/// Returns whether the edge between corners `k` and `k` + 1 of a triangle has a point of the other triangle.
+bool passesThrough(const WholeTriangle& a, size_t k, const WholeTriangle& b) {
+  const glm::dvec3 from(a[k]), to(a[(k + 1) % 3]), normal(WholePlane(b).normal());  // All numbers are whole.
+  const auto height = [&](const glm::dvec3& p) { return glm::dot(normal, p - glm::dvec3(b[0])); };
+  const double h = height(from), whole = h - height(to);
+  if (whole == 0.0 || h * whole < 0.0 || std::abs(h) > std::abs(whole)) return false;
+  const glm::dvec3 scaled = whole * from + h * (to - from);  // The point in the plane, times `whole`.
+  for (size_t e = 0; e < 3; ++e) {
+    const glm::dvec3 corner(b[e]), edge = glm::dvec3(b[(e + 1) % 3]) - corner;
+    if (glm::dot(normal, glm::cross(edge, scaled - whole * corner)) * whole < 0.0) return false;
+  }
+  return true;
+}
+
+TEST(TriangleTriangle, MayTouchOutsideOfACommonCornerOnlyWhereTheyDo) {
+  std::mt19937 random(5);
+  std::uniform_int_distribution<int> whole(-4, 4);
+  size_t touching = 0, apart = 0;
+  for (int i = 0; i < 100000; ++i) {
+    WholeTriangle a, b;
+    for (size_t k = 0; k < 3; ++k) {
+      a[k] = {whole(random), whole(random), whole(random)};
+      b[k] = {whole(random), whole(random), whole(random)};
+    }
+    const auto at = size_t(whole(random) + 4) % 3, other = size_t(whole(random) + 4) % 3;
+    b[other] = a[at];
+    const WholePlane plane(a);
+    const CornerSides ofA = WholePlane(b).sidesOf(a, true), ofB = plane.sidesOf(b, true);
+    if (!areOnBoth(ofA) || !areOnBoth(ofB)) continue;
+    const bool areTouching = passesThrough(a, (at + 1) % 3, b) || passesThrough(b, (other + 1) % 3, a);
+    ASSERT_EQ(mayTouch(a, plane, b, true) == Meeting::Cross, areTouching);
+    ++(areTouching ? touching : apart);
+  }
+  EXPECT_GT(touching, 500u);
+  EXPECT_GT(apart, 500u);
 }
 
 }  // namespace

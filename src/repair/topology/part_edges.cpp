@@ -12,7 +12,9 @@ namespace raymap {
 
 namespace {
 
-constexpr double kStep = 1e-3;  // Of the way to the middle of the faces.
+constexpr double kStep = 1e-3;      // Share of the way to the middle of the faces,
+constexpr double kRounding = 1e-6;  // or of the mesh's size if that is more,
+constexpr double kMost = 0.1;       // but at most this share of the way.
 
 /// A face at an edge.
 struct Leaf {
@@ -25,7 +27,10 @@ struct Leaf {
 class EdgeParter {
  public:
   EdgeParter(Mesh& mesh, std::vector<uint32_t>& sources)
-      : mesh_(mesh), sources_(sources), isCut_(mesh.triangles.size()) {}
+      : mesh_(mesh), sources_(sources), isCut_(mesh.triangles.size()) {
+    const glm::dvec3 size = bounds(mesh).size();
+    least_ = kRounding * std::max({size.x, size.y, size.z});
+  }
 
   /// Returns whether an edge was cut.
   bool part() {
@@ -75,9 +80,10 @@ class EdgeParter {
                      towards = glm::cross(glm::normalize(high - low), a.inward) / glm::length(a.inward),
                      middle =
                          std::cos(0.5 * angle) * glm::normalize(a.inward) + std::sin(0.5 * angle) * towards;
-    const double reach = std::min({glm::length(a.inward), glm::length(b.inward), glm::length(high - low)});
+    const double reach = std::min({glm::length(a.inward), glm::length(b.inward), glm::length(high - low)}),
+                 step = std::min(std::max(kStep * reach, least_), kMost * reach);
     const auto point = uint32_t(mesh_.vertices.size());
-    mesh_.vertices.emplace_back(0.5 * (low + high) + kStep * reach * middle);
+    mesh_.vertices.emplace_back(0.5 * (low + high) + step * middle);
     for (const HalfEdge& side : {a.side, b.side}) {
       const uint32_t third = thirdOf(side);
       mesh_.triangles[side.face] = {side.from(), point, third};
@@ -90,6 +96,7 @@ class EdgeParter {
   Mesh& mesh_;
   std::vector<uint32_t>& sources_;
   std::vector<bool> isCut_;
+  double least_;  ///< Least distance of a new point from its edge, which rounding keeps.
 };
 
 }  // namespace
