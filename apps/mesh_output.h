@@ -53,8 +53,7 @@ std::vector<std::filesystem::path> inputsKept(const StreamFormat& format, const 
 
 /// Writes each part of a mesh that is apart (`splitParts`) into a file of its own: NAME_1.stl and so on.
 /// Appends the figures of each to `written`, and numbers go on after those. Warns once of attributes that the
-/// format has no place for. Throws `Error(Usage)` if a part
-/// would replace an input in `kept`.
+/// format has no place for. Throws `Error(Usage)` if a part would replace an input in `kept`.
 template <class AnyMesh>
 void writeParts(const std::filesystem::path& path, const AnyMesh& mesh, const MeshWriteOptions& options,
                 const std::vector<std::filesystem::path>& kept, Json& written);

@@ -110,6 +110,19 @@ TEST_F(MeshAttributesTest, NameFacesThatHaveNoneBehindOthers) {
   EXPECT_EQ(partOf(3), "high");
 }
 
+TEST_F(MeshAttributesTest, WriteEachObjectOnce) {
+  Mesh mesh = loadText("in.obj", kObj);
+  found_.partOf = {1, 0, 1, kNone};
+  std::swap(found_.uvs.corners[1], found_.uvs.corners[2]);
+  const std::vector<glm::uvec3> given = mesh.triangles;
+  store("out.obj", mesh);
+  mesh = load(path("out.obj"));
+  EXPECT_EQ(mesh.triangles, (std::vector<glm::uvec3>{given[0], given[2], given[1], given[3]}));
+  for (size_t f = 0; f < 4; ++f) EXPECT_EQ(partOf(f), f < 2 ? "high" : f == 2 ? "low plate" : "added");
+  EXPECT_EQ(found_.materialOf, (std::vector<uint32_t>{0, 1, 0, 1}));
+  EXPECT_EQ(uvAt(1, 1), glm::vec2(0.9F, 0.8F));
+}
+
 TEST_F(MeshAttributesTest, OfAnObjThatAreMalformedAreLeftOut) {
   const std::string vertices = "v 0 0 0 0.25 0.5 1\nv 1 0 0 x y z\nv 0 1 0 1\nvt 0 x\nvt\nvt 1 1\n";
   loadText("a.obj", vertices + "f 1/1 2/9 3/-3\nf 1/ 2/x 3/0\nf 1/-4 2/3 3/99999999999999999999\n");

@@ -1,5 +1,7 @@
 #include <algorithm>
 #include <charconv>
+#include <map>
+#include <numeric>
 #include <ostream>
 #include <system_error>
 
@@ -93,6 +95,27 @@ class FaceNames {
   std::string object_, group_, materialName_;
 };
 
+/// Returns the numbers of faces so that each object, or group outside of objects, is written once; nothing if
+/// they have no names.
+std::vector<uint32_t> facesByObject(const MeshAttributes& attributes) {
+  const std::vector<MeshPart>& parts = attributes.parts;
+  std::map<std::string, uint32_t> ranks;
+  std::vector<uint32_t> rankOf(parts.size() + 1, kNoAttribute);  // The last one is of faces without a name.
+  const auto rank = [&](uint32_t f) -> uint32_t& {
+    return rankOf[std::min<size_t>(attributes.partOf[f], parts.size())];
+  };
+  std::vector<uint32_t> order(attributes.partOf.size());
+  std::iota(order.begin(), order.end(), 0U);
+  for (const uint32_t f : order) {
+    if (rank(f) != kNoAttribute) continue;
+    const MeshPart names = attributes.partOf[f] == kNoAttribute ? MeshPart{} : parts[attributes.partOf[f]];
+    const auto next = uint32_t(ranks.size());
+    rank(f) = ranks.try_emplace(names.object.empty() ? names.group : names.object, next).first->second;
+  }
+  std::ranges::stable_sort(order, {}, rank);
+  return order;
+}
+
 void writeVertices(std::ostream& out, const WritableMesh& mesh) {
   for (uint32_t v = 0; v < mesh.vertices.size(); ++v) {
     const glm::dvec3 p = mesh.exactPosition(v);
@@ -116,7 +139,9 @@ void writeObj(std::ostream& out, const WritableMesh& mesh, const glm::dvec3& off
   writeVertices(out, mesh);
   for (const glm::vec2& uv : attributes.uvs.values) Line("vt").add(uv.x).add(uv.y).write(out);
   FaceNames names(out, attributes);
-  for (size_t f = 0; f < mesh.triangles.size(); ++f) {
+  const std::vector<uint32_t> order = facesByObject(attributes);
+  for (size_t i = 0; i < mesh.triangles.size(); ++i) {
+    const size_t f = order.empty() ? i : order[i];
     names.begin(f);
     const glm::uvec3 uvs =
         attributes.uvs.corners.empty() ? glm::uvec3(kNoAttribute) : attributes.uvs.corners[f];
