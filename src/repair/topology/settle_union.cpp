@@ -49,9 +49,10 @@ std::vector<uint32_t> settle(const Mesh& closed, bool mayTurn, SettledUnion& set
   return crossed;
 }
 
-/// Moves the corners of faces along their normals: farther in every attempt, but the same in every run.
-/// Returns how many moved.
-size_t moveCorners(Mesh& mesh, const std::vector<uint32_t>& faces, uint32_t attempt) {
+/// Moves the corners of faces along their normals: farther in every attempt, but the same in every run. Marks
+/// them in `haveMoved`.
+void moveCorners(Mesh& mesh, const std::vector<uint32_t>& faces, uint32_t attempt,
+                 std::vector<bool>& haveMoved) {
   constexpr double kLeast = 2e-6;  // Share of the size: more than rounding, less than anybody sees.
   const glm::dvec3 size = bounds(mesh).size();
   const double most = std::ldexp(kLeast, int(attempt)) * std::max({size.x, size.y, size.z});
@@ -68,8 +69,8 @@ size_t moveCorners(Mesh& mesh, const std::vector<uint32_t>& faces, uint32_t atte
     if (!moves[v] || !(glm::length(normals[v]) > 0.0)) continue;
     const double share = double((v * 16u + attempt) * 2654435761u) * 0x1p-31 - 1.0;
     mesh.vertices[v] += glm::vec3(share * most * glm::normalize(normals[v]));
+    haveMoved[v] = true;
   }
-  return size_t(std::ranges::count(moves, true));
 }
 
 }  // namespace
@@ -78,11 +79,13 @@ SettledUnion settleUnion(Mesh closed, bool mayTurn) {
   constexpr uint32_t kMostAttempts = 5;
   constexpr size_t kFew = 16;  // With a larger share of crossing faces, moved ones only cross elsewhere.
   SettledUnion settled;
+  std::vector<bool> haveMoved(closed.vertices.size());
   for (uint32_t attempt = 0; attempt < kMostAttempts; ++attempt) {
     const std::vector<uint32_t> crossed = settle(closed, mayTurn, settled);
     if (crossed.empty() || crossed.size() > closed.triangles.size() / kFew) break;
-    settled.movedVertices = std::max(settled.movedVertices, moveCorners(closed, crossed, attempt));
+    moveCorners(closed, crossed, attempt, haveMoved);
   }
+  settled.movedVertices = size_t(std::ranges::count(haveMoved, true));
   return settled;
 }
 
