@@ -90,7 +90,7 @@ TEST_F(MeshAttributesTest, FollowTheCornersOfPolygonsThatAreCut) {
     std::string text = samples::cornersOfU("v ") + samples::cornersOfU("vt ") + "f";
     for (size_t c = 0; c < samples::kU.size(); ++c) {
       const std::string corner = std::to_string((first + c) % samples::kU.size() + 1);
-      text += " " + corner + "/" + corner;
+      text.append(" ").append(corner).append("/").append(corner);
     }
     const Mesh mesh = loadText("u.obj", "usemtl early\nf 1/1 2/2\n" + text + "\nusemtl late\nf 1 2 3\n");
     EXPECT_TRUE(found_.materialOf.front() == 0 && found_.materialOf.back() == 1);

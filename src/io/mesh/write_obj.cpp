@@ -46,12 +46,12 @@ std::string nameText(std::string name) {
 }
 
 /// Writes the files of the materials, as seen from the folder of the mesh.
-void writeLibraries(std::ostream& out, const WritableMesh& mesh) {
-  const bool isStream = (mesh.folder / "").string().starts_with("/dev/");
-  for (const std::filesystem::path& library : mesh.attributes->libraries) {
+void writeLibraries(std::ostream& out, const MeshAttributes& attributes, const std::filesystem::path& given) {
+  const bool isStream = (given / "").string().starts_with("/dev/");
+  for (const std::filesystem::path& library : attributes.libraries) {
     std::error_code error;
     const std::filesystem::path folder =
-        isStream || mesh.folder.empty() ? std::filesystem::current_path(error) : mesh.folder;
+        isStream || given.empty() ? std::filesystem::current_path(error) : given;
     const std::filesystem::path relative =
         std::filesystem::relative(std::filesystem::absolute(library, error), folder, error);
     out << "mtllib " << nameText((relative.empty() ? library : relative).generic_string()) << "\n";
@@ -135,7 +135,7 @@ void writeObj(std::ostream& out, const WritableMesh& mesh, const glm::dvec3& off
   static const MeshAttributes kNoAttributes;
   const MeshAttributes& attributes = mesh.attributes ? *mesh.attributes : kNoAttributes;
   if (const std::string note = offsetNote(offset); !note.empty()) out << "# " << note << "\n";
-  if (!attributes.materialOf.empty()) writeLibraries(out, mesh);
+  if (!attributes.materialOf.empty()) writeLibraries(out, attributes, mesh.folder);
   writeVertices(out, mesh);
   for (const glm::vec2& uv : attributes.uvs.values) Line("vt").add(uv.x).add(uv.y).write(out);
   FaceNames names(out, attributes);

@@ -80,8 +80,9 @@ class Flood {
     double low = -INFINITY, high = -INFINITY;
     numbers_.clear();
     visit(places_.at(first));
-    for (size_t next = 0; next < numbers_.size(); ++next) {
-      const size_t number = numbers_[next];
+    size_t next = 0;
+    while (next < numbers_.size()) {
+      const size_t number = numbers_[next++];
       if (isTile(number)) {
         const NarrowBand::Tile& tile = solid_.narrow->tiles[number - solid_.distance.size()];
         hollow.deepest = INFINITY;
@@ -258,9 +259,9 @@ void drill(Field& solid, const DrainHole& hole) {
   for (int k = low.z; k <= high.z; ++k)
     for (int j = low.y; j <= high.y; ++j)
       for (int i = low.x; i <= high.x; ++i) {
-        const int64_t place = places.find({i, j, k});
-        if (place < 0) continue;
-        float& d = solid.distance[size_t(place)];
+        const int64_t found = places.find({i, j, k});
+        if (found < 0) continue;
+        float& d = solid.distance[size_t(found)];
         d = std::max(d, static_cast<float>(-hole.distance(grid.position({i, j, k}))));
       }
 }
