@@ -80,8 +80,7 @@ class Flood {
     double low = -INFINITY, high = -INFINITY;
     numbers_.clear();
     visit(places_.at(first));
-    size_t next = 0;
-    while (next < numbers_.size()) {
+    for (size_t next = 0; next < numbers_.size();) {
       const size_t number = numbers_[next++];
       if (isTile(number)) {
         const NarrowBand::Tile& tile = solid_.narrow->tiles[number - solid_.distance.size()];
