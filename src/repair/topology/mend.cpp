@@ -99,15 +99,14 @@ bool crossesNowhere(const SelfIntersections& crossing) {
   return crossing.pairs == 0 && crossing.complete;
 }
 
-bool isAllRight(const Model& mesh) {
-  SelfIntersections crossing;
-  return looksRight(diagnose(mesh, {.brief = true})) && isAllRight(mesh, crossing);
-}
-
-bool isAllRight(const Model& mesh, SelfIntersections& crossing) {
-  crossing = findSelfIntersections(mesh);
+bool isAllRight(const Model& mesh, SelfIntersections* crossing) {
   const Diagnostics found = diagnose(mesh, {.brief = true});
-  return looksRight(found) && crossesNowhere(crossing) && isRight(arrangeParts(mesh, found, crossing));
+  if (!looksRight(found) && !crossing) return false;
+  SelfIntersections pairs = findSelfIntersections(mesh);
+  const bool areRight =
+      looksRight(found) && crossesNowhere(pairs) && isRight(arrangeParts(mesh, found, pairs));
+  if (crossing) *crossing = std::move(pairs);
+  return areRight;
 }
 
 Mended mend(const Model& mesh, const Diagnostics& found, const SelfIntersections& crossing,

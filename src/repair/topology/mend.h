@@ -23,10 +23,8 @@ bool crossesNowhere(const SelfIntersections& crossing);
 /// it is if that is not certain.
 std::vector<uint32_t> turnBack(Mesh& mesh);
 
-/// Returns whether nothing at all is wrong with a mesh.
-bool isAllRight(const Model& mesh);
-/// The same, with the faces that cross, which are found in any case.
-bool isAllRight(const Model& mesh, SelfIntersections& crossing);
+/// Returns whether nothing at all is wrong with a mesh. `crossing` receives the faces that cross.
+bool isAllRight(const Model& mesh, SelfIntersections* crossing = nullptr);
 
 /// A mesh with what is certain mended: faces turned back, holes closed.
 struct Mended {

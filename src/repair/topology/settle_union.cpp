@@ -34,12 +34,12 @@ std::vector<uint32_t> settle(const Mesh& closed, bool mayTurn, SettledUnion& set
     if (settled.exact.mesh.triangles.empty()) settled.exact = std::move(*cut);
     settled.partedFaces += partEdges(settled.mesh, settled.sources);
     SelfIntersections crossing;
-    if (!isAllRight(Model(settled.mesh), crossing)) {
+    if (!isAllRight(Model(settled.mesh), &crossing)) {
       if (round == 0) crossed = facesOf(crossing.faces, settled.sources);
       if (crossing.pairs > pairs) break;  // Rounding makes ever more.
       pairs = crossing.pairs;
       raiseLowFaces(settled.mesh, crossing.faces);
-      if (!isAllRight(Model(settled.mesh), crossing)) continue;
+      if (!isAllRight(Model(settled.mesh))) continue;
     }
     const double made = diagnose(settled.mesh, {.brief = true}).signedVolume;
     settled.isRight = std::abs(made - settled.exact.volume) <= kSameVolume * settled.exact.volume;
