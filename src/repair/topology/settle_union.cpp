@@ -45,7 +45,6 @@ std::vector<uint32_t> settle(const Mesh& closed, bool mayTurn, SettledUnion& set
     settled.isRight = std::abs(made - settled.exact.volume) <= kSameVolume * settled.exact.volume;
     return {};
   }
-  crossed.erase(std::unique(crossed.begin(), crossed.end()), crossed.end());
   return crossed;
 }
 
