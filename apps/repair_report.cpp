@@ -69,25 +69,24 @@ void print(const SimplifyReport& simplified) {
 void printMended(const RepairReport& report, const std::optional<double>& base) {
   const size_t turned = report.keepsFaces() ? report.stats.turnedFaces.size() : 0;
   std::string words;
-  if (turned > 0) words += "reversed " + counted(turned, "face");
-  if (report.cleanedFaces > 0)
-    words += (words.empty() ? "" : ", ") +
-             ("removed " + counted(report.cleanedFaces, "degenerate or repeated face"));
-  if (report.unitedFaces > 0)
-    words += (words.empty() ? "" : ", ") +
-             ("cut " + counted(report.unitedFaces, "face") + " where they met others");
+  const auto add = [&](const std::string& more) { words += (words.empty() ? "" : ", ") + more; };
+  std::array<char, 64> text{};
+  if (turned > 0) add("reversed " + counted(turned, "face"));
+  if (report.cleanedFaces > 0) add("removed " + counted(report.cleanedFaces, "degenerate or repeated face"));
+  if (report.unitedFaces > 0) add("cut " + counted(report.unitedFaces, "face") + " where they met others");
   if (report.sewnVertices > 0)
-    words += (words.empty() ? "" : ", ") + ("joined " + counted(report.sewnVertices, "pair")) +
-             " of vertices across cracks";
-  if (report.movedVertices > 0)
-    words += (words.empty() ? "" : ", ") + ("moved " + counted(report.movedVertices, "corner")) + " slightly";
+    add("joined " + counted(report.sewnVertices, "pair") + " of vertices across cracks");
+  if (report.movedVertices > 0) add("moved " + counted(report.movedVertices, "corner") + " slightly");
   if (report.closingFaces > 0 && !base)
-    words += (words.empty() ? "" : ", ") + ("closed " + counted(report.closedHoles, "hole")) + " with " +
-             counted(report.closingFaces, "face");
+    add("closed " + counted(report.closedHoles, "hole") + " with " + counted(report.closingFaces, "face"));
   if (base) {
-    std::array<char, 64> text{};
     std::snprintf(text.data(), text.size(), "joined the rim to a base at %g with ", *base);
-    words += (words.empty() ? "" : ", ") + (text.data() + counted(report.closingFaces, "face"));
+    add(text.data() + counted(report.closingFaces, "face"));
+  }
+  if (report.keepsFaces() && report.thickenedShare > 0.0) {
+    std::snprintf(text.data(), text.size(), "made plates %.3g thick of sheets (%.2g %% of the area)",
+                  report.leastThickness, 100.0 * report.thickenedShare);
+    add(text.data());
   }
   if (words.empty() && report.depth == RepairDepth::Mended) words = "removed what lies in other parts";
   if (!words.empty())

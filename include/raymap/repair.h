@@ -224,9 +224,9 @@ RAYMAP_API std::string describeThickness(const MeshView& mesh, const Verdict& ve
 
 /// Returns a watertight solid in place of any mesh: the isosurface of its field on `grid`, which must hold
 /// the result. Keeps the faces of a mesh with nothing wrong that needs no change; also of one in which
-/// leaving out degenerate and repeated faces, turning faces back, cutting faces where they meet others, and
-/// with `closeHoles` filling holes, leaves nothing wrong. Else fills what a plane closes before it makes the
-/// field; deviations are then measured from the mesh with these faces.
+/// leaving out degenerate and repeated faces, turning faces back, cutting faces where they meet others,
+/// making plates of sheets, and with `closeHoles` filling holes, leaves nothing wrong. Else fills what a
+/// plane closes before it makes the field; deviations are then measured from the mesh with these faces.
 ///
 /// A cut comes last, so it adds to `RepairOptions::triangles`, and shares of lost area are those before it.
 /// It leaves both parts closed by flat faces.

@@ -46,7 +46,7 @@ enum class FieldReason : uint8_t {
   None,     ///< It did not.
   Asked,    ///< Options ask for new faces or for another shape.
   Open,     ///< Faces do not bound a solid, even with holes closed and faces reversed.
-  Sheet,    ///< A part is a sheet, an open surface that needs a thickness.
+  Sheet,    ///< Most of it is sheets, open surface without an inside; or sheets may get no thickness.
   Crossing  ///< Parts that cross, overlap or touch could not be united exactly.
 };
 

@@ -23,15 +23,30 @@ struct Measure {
   bool isInward() const { return !isOpen && volume < -kNoVolume * std::pow(area, 1.5); }
 };
 
+/// Calls `work(face, measure, component)` for each face with an area.
+template <class Work>
+void forEachFaceOf(const Model& mesh, const glm::dvec3& centre, Components& components, Work&& work) {
+  forEachFaceMeasure(mesh, centre, [&](size_t face, const FaceMeasure& measure) {
+    if (measure.isSurface)
+      work(face, measure, components.componentOf(mesh.welding().ids[mesh.triangles[face].x]));
+  });
+}
+
 /// Adds each face to its component.
 void addFaces(const Model& mesh, const glm::dvec3& centre, Components& components,
               std::span<Measure> measures) {
-  forEachFaceMeasure(mesh, centre, [&](size_t face, const FaceMeasure& measure) {
-    if (!measure.isSurface) return;
-    Measure& m = measures[components.componentOf(mesh.welding().ids[mesh.triangles[face].x])];
-    m.area += measure.area;
-    m.volume += measure.volume;
+  forEachFaceOf(mesh, centre, components, [&](size_t, const FaceMeasure& measure, uint32_t component) {
+    measures[component].area += measure.area;
+    measures[component].volume += measure.volume;
   });
+}
+
+void addHoles(Components& components, std::span<const TracedHole> holes, std::span<Measure> measures) {
+  for (const TracedHole& hole : holes) {
+    Measure& m = measures[components.componentOf(hole.position)];
+    m.holeArea += hole.hole.area;
+    m.isOpen = true;
+  }
 }
 
 }  // namespace
@@ -63,11 +78,7 @@ void measureComponents(const Model& mesh, Components& components, std::span<cons
     measures[0] = {.area = found.area, .volume = found.signedVolume};
   else
     addFaces(mesh, found.bounds.centre() - mesh.origin, components, measures);
-  for (const TracedHole& hole : holes) {
-    Measure& m = measures[components.componentOf(hole.position)];
-    m.holeArea += hole.hole.area;
-    m.isOpen = true;
-  }
+  addHoles(components, holes, measures);
   double sheetArea = 0.0;
   for (const Measure& m : measures) {
     found.openComponents += m.isOpen ? 1 : 0;
@@ -76,6 +87,18 @@ void measureComponents(const Model& mesh, Components& components, std::span<cons
     sheetArea += m.isSheet() ? m.area : 0.0;
   }
   found.sheetShare = found.area > 0.0 ? sheetArea / found.area : 0.0;
+}
+
+std::vector<uint32_t> facesOfSheets(const Model& mesh, Components& components,
+                                    std::span<const TracedHole> holes) {
+  std::vector<Measure> measures(components.count());
+  addFaces(mesh, {}, components, measures);
+  addHoles(components, holes, measures);
+  std::vector<uint32_t> faces;
+  forEachFaceOf(mesh, {}, components, [&](size_t face, const FaceMeasure&, uint32_t component) {
+    if (measures[component].isSheet()) faces.push_back(uint32_t(face));
+  });
+  return faces;
 }
 
 }  // namespace raymap

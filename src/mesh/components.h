@@ -31,4 +31,8 @@ class Components {
 void measureComponents(const Model& mesh, Components& components, std::span<const TracedHole> holes,
                        Diagnostics& found);
 
+/// Returns the faces of the components that are sheets, ascending.
+std::vector<uint32_t> facesOfSheets(const Model& mesh, Components& components,
+                                    std::span<const TracedHole> holes);
+
 }  // namespace raymap

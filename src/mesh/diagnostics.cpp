@@ -170,6 +170,12 @@ Diagnostics diagnoseNow(const Model& mesh, bool isBrief, Progress& progress) {
 
 }  // namespace
 
+std::vector<uint32_t> facesOfSheets(const Model& mesh) {
+  const EdgeCounts edges = countEdges(mesh.halfEdges());
+  Components components(mesh);
+  return facesOfSheets(mesh, components, findHoles(mesh, edges.boundary));
+}
+
 Diagnostics diagnose(const Model& mesh, const DiagnoseOptions& options, const MachineOptions& machine) {
   Progress progress(machine.progress);
   Diagnostics found;

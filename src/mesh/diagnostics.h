@@ -2,6 +2,9 @@
 
 #include <raymap/diagnostics.h>
 
+#include <cstdint>
+#include <vector>
+
 #include "mesh/model.h"
 
 namespace raymap {
@@ -11,5 +14,7 @@ Diagnostics diagnose(const Model& mesh, const DiagnoseOptions& options = {},
                      const MachineOptions& machine = {});
 Arrangement arrangeParts(const Model& mesh, const Diagnostics& found, const SelfIntersections& crossings,
                          const MachineOptions& machine = {});
+/// Returns the faces of the parts that are sheets, ascending.
+std::vector<uint32_t> facesOfSheets(const Model& mesh);
 
 }  // namespace raymap

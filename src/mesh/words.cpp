@@ -182,7 +182,7 @@ const char* describe(FieldReason reason) {
     case FieldReason::Open:
       return "its faces do not bound a solid, even with holes closed and faces reversed";
     case FieldReason::Sheet:
-      return "a part of it is a sheet, an open surface that needs a thickness";
+      return "most of it is sheets, open surface without an inside, or sheets may get no thickness";
     case FieldReason::Crossing:
       return "its parts cross or touch and could not be united exactly";
     default:

@@ -72,7 +72,7 @@ void keepCleaned(const Model& mesh, RepairRun& run) {
   const CleanedFaces cleaned = cleanFaces(mesh);
   if (cleaned.count == 0) return;
   const Model clean(cleaned.mesh);
-  const Diagnostics found = diagnose(clean, {.brief = true});
+  const Diagnostics found = diagnose(clean);
   if (found.nonManifoldEdges + found.degenerateFaces + found.duplicateFaces > 0) return;
   const SelfIntersections crossing = findSelfIntersections(clean);
   if (!crossesNowhere(crossing)) return;
@@ -93,7 +93,8 @@ void keepCleaned(const Model& mesh, RepairRun& run) {
 void keepUnited(RepairRun& run) {
   const InsideOut insideOut =
       run.fieldOptions.orientation == Orientation::Keep ? InsideOut::Kept : InsideOut::Turned;
-  UnitedParts united = uniteParts(Model(MeshView(run.mesh())), insideOut, run.options.closeHoles);
+  UnitedParts united = uniteParts(Model(MeshView(run.mesh())), insideOut, run.options.closeHoles,
+                                  leastThickness(run.options, run.grid));
   run.report.fieldReason = united.failure;
   if (united.failure != FieldReason::None) return;
   std::vector<uint32_t> turned;
@@ -108,6 +109,8 @@ void keepUnited(RepairRun& run) {
   run.report.sewnVertices = united.sewnVertices;
   run.report.movedVertices = united.movedVertices;
   run.report.buriedShare = united.buriedShare;
+  if ((run.report.thickenedShare = united.thickenedShare) > 0.0)
+    run.report.leastThickness = leastThickness(run.options, run.grid);
   run.report.stats.invertedParts = std::move(united.inverted.firsts);
   warnOfInvertedParts(run.report.stats, run.machine.warn);
 }

@@ -7,6 +7,7 @@
 #include <array>
 #include <glm/gtc/matrix_transform.hpp>
 #include <initializer_list>
+#include <numbers>
 #include <numeric>
 #include <random>
 #include <vector>
@@ -25,6 +26,10 @@ Mesh join(std::initializer_list<Mesh> parts) {
   Mesh mesh = *parts.begin();
   for (auto part = parts.begin() + 1; part != parts.end(); ++part) mesh = joined(mesh, *part);
   return mesh;
+}
+
+std::array<glm::vec3, 3> cornersOf(const Mesh& m, const glm::uvec3& t) {
+  return {glm::vec3(m.position(t.x)), glm::vec3(m.position(t.y)), glm::vec3(m.position(t.z))};
 }
 
 /// Expects a union with nothing wrong, and this volume and area.
@@ -114,9 +119,6 @@ TEST(UniteParts, KeepsFacesThatNothingMeets) {
   const Mesh mesh = join({shapes::sphere(1.0, 3), shapes::sphere(1.0, 3, aside)});
   const UnitedParts united = uniteParts(Model(mesh));
   ASSERT_EQ(united.failure, FieldReason::None);
-  const auto cornersOf = [](const Mesh& m, const glm::uvec3& t) {
-    return std::array{glm::vec3(m.position(t.x)), glm::vec3(m.position(t.y)), glm::vec3(m.position(t.z))};
-  };
   size_t kept = 0;
   for (const glm::uvec3& t : united.mesh.triangles)
     kept += std::ranges::any_of(mesh.triangles, [&](const glm::uvec3& given) {
@@ -267,11 +269,126 @@ TEST(UniteParts, ClosesHolesThatEndAtEdgesOfThreeFaces) {
   EXPECT_NEAR(diagnose(united.mesh).signedVolume, 16.0, 0.01);  // The boxes are parted at their edge.
 }
 
+/// Expects that sheets of an area beside a box become plates of a volume, and that the box keeps its faces.
+void expectPlates(const Mesh& sheets, double area, double volume) {
+  constexpr double kThickness = 0.125;
+  const Mesh ball = shapes::rotated(shapes::sphere(1.5, 3));
+  const Mesh mesh = join({ball, shapes::rotated(sheets)});
+  const UnitedParts united = uniteParts(Model(mesh), InsideOut::Turned, true, kThickness);
+  ASSERT_EQ(united.failure, FieldReason::None);
+  EXPECT_TRUE(isAllRight(Model(united.mesh)));
+  const Diagnostics alone = diagnose(ball), all = diagnose(mesh), found = diagnose(united.mesh);
+  EXPECT_NEAR(all.area, alone.area + area, 1e-4);
+  EXPECT_NEAR(united.thickenedShare, area / all.area, 1e-6);
+  EXPECT_NEAR(found.signedVolume, alone.signedVolume + volume * kThickness, 1e-4);
+  std::vector<uint8_t> isThere(mesh.triangles.size());
+  for (size_t f = 0; f < united.sources.size(); ++f) {
+    const uint32_t source = united.sources[f];
+    ASSERT_LT(source, mesh.triangles.size());
+    isThere[source] = 1;
+    if (source < ball.triangles.size()) {
+      EXPECT_EQ(cornersOf(united.mesh, united.mesh.triangles[f]), cornersOf(mesh, mesh.triangles[source]));
+    }
+  }
+  EXPECT_EQ(std::ranges::count(isThere, 1), ptrdiff_t(isThere.size()));
+}
+
+/// Returns a sheet of these quads.
+Mesh quads(const std::vector<glm::dvec3>& corners, const std::vector<glm::uvec4>& faces) {
+  std::vector<glm::uvec3> triangles;
+  for (const glm::uvec4& q : faces) triangles.insert(triangles.end(), {{q.x, q.y, q.z}, {q.x, q.z, q.w}});
+  return makeMesh(corners, triangles);
+}
+
+TEST(UniteParts, MakesPlatesOfSheets) {
+  const std::vector<glm::dvec3> square{{3, 0, 0}, {5, 0, 0}, {5, 2, 0}, {3, 2, 0}};
+  expectPlates(quads(square, {{0, 1, 2, 3}}), 4.0, 4.0);
+  // A right angle: the outer side gains what the inner one loses. Directions of faces do not matter.
+  std::vector<glm::dvec3> angle = square;
+  angle.insert(angle.end(), {{3, 0, 1}, {3, 2, 1}});
+  expectPlates(quads(angle, {{0, 1, 2, 3}, {0, 3, 5, 4}}), 6.0, 6.0);
+  expectPlates(quads(angle, {{0, 1, 2, 3}, {0, 4, 5, 3}}), 6.0, 6.0);
+  // Three faces at an edge: each has a plate of its own, which ends there, and they overlap.
+  std::vector<glm::dvec3> three = angle;
+  three.insert(three.end(), {{1.75, 0, 0}, {1.75, 2, 0}});
+  expectPlates(quads(three, {{0, 1, 2, 3}, {0, 3, 5, 4}, {0, 6, 7, 3}}), 8.5, 8.5 - 2.0 * 0.0625);
+  // Two sheets that share a vertex.
+  std::vector<glm::dvec3> touching = square;
+  touching.insert(touching.end(), {{7, 2, 0}, {7, 4, 0}, {5, 4, 0}});
+  expectPlates(quads(touching, {{0, 1, 2, 3}, {2, 4, 5, 6}}), 8.0, 8.0);
+}
+
+TEST(UniteParts, UnitesPlatesWithTheSolidsThatTheyMeet) {
+  const Mesh fin = quads({{1, 0.5, 1}, {3, 0.5, 1}, {3, 1.5, 1}, {1, 1.5, 1}}, {{0, 1, 2, 3}});
+  const UnitedParts united =
+      uniteParts(Model(join({shapes::box({0, 0, 0}, {2, 2, 2}), fin})), InsideOut::Turned, true, 0.25);
+  ASSERT_EQ(united.failure, FieldReason::None);
+  EXPECT_NEAR(diagnose(united.mesh).signedVolume, 8.0 + 0.25, 1e-6);
+}
+
+TEST(UniteParts, MakesAPlateOfAMoebiusStrip) {
+  constexpr int kSteps = 48;
+  std::vector<glm::dvec3> corners;
+  std::vector<glm::uvec4> faces;
+  for (uint32_t i = 0; i < kSteps; ++i) {
+    const double turn = 2.0 * std::numbers::pi * i / kSteps;
+    const glm::dvec3 out(std::cos(turn), std::sin(turn), 0.0);
+    for (const double side : {-0.5, 0.5})
+      corners.push_back((4.0 + side * std::cos(0.5 * turn)) * out +
+                        glm::dvec3(0, 0, side * std::sin(0.5 * turn)));
+    const uint32_t a = 2 * i, b = i + 1 < kSteps ? a + 2 : 1, c = i + 1 < kSteps ? a + 3 : 0;
+    faces.emplace_back(a, b, c, a + 1);
+  }
+  const Mesh strip = quads(corners, faces), mesh = join({shapes::sphere(2.5, 4), strip});
+  const UnitedParts united = uniteParts(Model(mesh), InsideOut::Turned, true, 0.1);
+  ASSERT_EQ(united.failure, FieldReason::None);
+  EXPECT_TRUE(isAllRight(Model(united.mesh)));
+  const double ball = diagnose(shapes::sphere(2.5, 4)).signedVolume;
+  EXPECT_NEAR(diagnose(united.mesh).signedVolume - ball, 0.1 * diagnose(strip).area, 2e-2);
+}
+
 TEST(UniteParts, LeavesSheetsToTheField) {
   Mesh sheet = shapes::box({5, 5, 5}, {6, 6, 6});
   sheet.triangles.resize(2);
   const Mesh mesh = join({shapes::box({0, 0, 0}, {2, 2, 2}), shapes::box({1, 1, 1}, {3, 3, 3}), sheet});
   EXPECT_EQ(uniteParts(Model(mesh), InsideOut::Turned, true).failure, FieldReason::Sheet);
+  // With most of the area, they may bound a solid together.
+  const Mesh large = quads({{5, 0, 0}, {9, 0, 0}, {9, 7, 0}, {5, 7, 0}}, {{0, 1, 2, 3}});
+  EXPECT_EQ(uniteParts(Model(join({shapes::box({0, 0, 0}, {2, 2, 2}), large})), InsideOut::Turned, true, 0.1)
+                .failure,
+            FieldReason::Sheet);
+}
+
+TEST(UniteParts, RepairMakesPlatesAsThickAsAFieldWould) {
+  const Mesh fin = quads({{3, 0, 0}, {5, 0, 0}, {5, 2, 0}, {3, 2, 0}}, {{0, 1, 2, 3}});
+  const Mesh mesh = join({shapes::box({0, 0, 0}, {2, 2, 2}), fin});
+  const RepairGrid grid = fitRepairGrid(mesh, {.resolution = 32});
+  const Repaired made = repair(mesh, grid);
+  EXPECT_EQ(made.report.depth, RepairDepth::Mended);
+  EXPECT_DOUBLE_EQ(made.report.leastThickness, kThinnestWall * grid.spacing);
+  EXPECT_NEAR(made.report.after.signedVolume, 8.0 + 4.0 * made.report.leastThickness, 1e-5);
+  EXPECT_NEAR(made.report.thickenedShare, 4.0 / 28.0, 1e-6);
+  EXPECT_EQ(repair(mesh, grid, {}, {.minThickness = 0.0}).report.fieldReason, FieldReason::Sheet);
+}
+
+TEST(UniteParts, SewsNoRimsOfPartsThatContradictEachOther) {
+  constexpr double kGap = 1e-3, kThickness = 0.1;
+  Mesh open = shapes::box({0, 0, 0}, {2, 2, 2});
+  std::erase_if(open.triangles, [&](const glm::uvec3& t) {
+    return open.position(t.x).z + open.position(t.y).z + open.position(t.z).z == 6.0;
+  });
+  ASSERT_EQ(open.triangles.size(), 10u);
+  const double z = 2.0 + kGap;
+  const std::vector<glm::dvec3> corners{{0, 0, z}, {2, 0, z}, {2, 2, z}, {0, 2, z}};
+  const Mesh up = quads(corners, {{0, 1, 2, 3}}), down = quads(corners, {{3, 2, 1, 0}});
+  const UnitedParts sewn = uniteParts(Model(join({open, up})), InsideOut::Turned, true, kThickness);
+  ASSERT_EQ(sewn.failure, FieldReason::None);
+  EXPECT_EQ(sewn.sewnVertices, 4u);
+  EXPECT_NEAR(diagnose(sewn.mesh).signedVolume, 8.0, 4.1 * kGap);
+  const UnitedParts apart = uniteParts(Model(join({open, down})), InsideOut::Turned, true, kThickness);
+  ASSERT_EQ(apart.failure, FieldReason::None);
+  EXPECT_EQ(apart.sewnVertices, 0u);
+  EXPECT_NEAR(diagnose(apart.mesh).signedVolume, 8.0 + 4.0 * (kGap + 0.5 * kThickness), 1e-4);
 }
 
 TEST(UniteParts, TurnsLonePartsInsideOut) {

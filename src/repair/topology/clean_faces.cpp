@@ -255,10 +255,7 @@ CleanedFaces cleanFaces(const Model& mesh, bool areRounded) {
     if (!weldShortEdges(cleaned, degenerate, areRounded) && !flipLongEdges(cleaned, degenerate, areRounded))
       break;
   }
-  if (areRounded) {
-    const Model links(cleaned.mesh);
-    for (const uint32_t face : degenerateFaces(links)) raiseApex(links, cleaned.mesh, face, 0.0);
-  }
+  if (areRounded) raiseDegenerate(cleaned.mesh);
   removeUnusedVertices(cleaned.mesh);
   return cleaned;
 }
@@ -269,6 +266,11 @@ std::vector<uint32_t> facesOf(const std::vector<uint32_t>& faces, const std::vec
   std::ranges::sort(found);
   found.erase(std::unique(found.begin(), found.end()), found.end());
   return found;
+}
+
+void raiseDegenerate(Mesh& mesh) {
+  const Model links(mesh);
+  for (const uint32_t face : degenerateFaces(links)) raiseApex(links, mesh, face, 0.0);
 }
 
 void raiseLowFaces(Mesh& mesh, const std::vector<uint32_t>& crossing) {

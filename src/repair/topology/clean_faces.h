@@ -29,6 +29,9 @@ CleanedFaces cleanFaces(const Model& mesh, bool areRounded = false);
 /// Returns the given faces of some faces of a cleaned mesh, ascending.
 std::vector<uint32_t> facesOf(const std::vector<uint32_t>& faces, const std::vector<uint32_t>& given);
 
+/// Moves the apex of degenerate faces away from their longest edge, until they are just high enough.
+void raiseDegenerate(Mesh& mesh);
+
 /// Moves the apex of faces that are lower than rounding may move a vertex, so that rounding may have turned
 /// them over: those that share a corner with faces that cross others. They rise by as much as two roundings.
 void raiseLowFaces(Mesh& mesh, const std::vector<uint32_t>& crossing);

@@ -14,6 +14,7 @@
 #include "mesh/pieces.h"
 #include "repair/topology/base.h"
 #include "repair/topology/flat_holes.h"
+#include "repair/topology/thicken_sheets.h"
 
 namespace raymap {
 
@@ -120,7 +121,7 @@ Mended mend(const Model& mesh, const Diagnostics& found, const SelfIntersections
   } else if (repair.closeHoles && !found.watertight) {
     const bool canBeRight = found.nonManifoldEdges + found.degenerateFaces + found.duplicateFaces == 0 &&
                             (found.consistentlyOriented || !mended.turned.empty());
-    if (mayKeep && isUncrossed && canBeRight)
+    if (mayKeep && isUncrossed && canBeRight && !hasLooseSheets(found))
       if (std::optional<Mended> filled = fillAll(mended, given)) return std::move(*filled);
     mended.filled = fillFlatHoles(mended.mesh);
   }

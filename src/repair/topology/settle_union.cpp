@@ -33,6 +33,7 @@ std::vector<uint32_t> settle(const Mesh& closed, bool mayTurn, SettledUnion& set
     settled.mesh = std::move(cleaned.mesh);
     if (settled.exact.mesh.triangles.empty()) settled.exact = std::move(*cut);
     settled.partedFaces += partEdges(settled.mesh, settled.sources);
+    raiseDegenerate(settled.mesh);
     SelfIntersections crossing;
     if (!isAllRight(Model(settled.mesh), &crossing)) {
       if (round == 0) crossed = facesOf(crossing.faces, settled.sources);

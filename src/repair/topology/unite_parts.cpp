@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <iterator>
+#include <numeric>
 #include <utility>
 
 #include <raymap/field.h>
@@ -13,6 +14,7 @@
 #include "repair/topology/mend.h"
 #include "repair/topology/settle_union.h"
 #include "repair/topology/sew_cracks.h"
+#include "repair/topology/thicken_sheets.h"
 
 namespace raymap {
 
@@ -29,33 +31,75 @@ double areaOfLast(const Mesh& mesh, size_t count) {
   return area;
 }
 
+/// Takes faces out of a mesh, and the same entries out of `given`.
+void takeOut(const std::vector<uint32_t>& faces, Mesh& mesh, std::vector<uint32_t>& given) {
+  std::vector<bool> isOut(mesh.triangles.size());
+  for (const uint32_t face : faces) isOut[face] = true;
+  size_t f = 0, g = 0;
+  std::erase_if(mesh.triangles, [&](const glm::uvec3&) { return isOut[f++]; });
+  std::erase_if(given, [&](uint32_t) { return isOut[g++]; });
+}
+
+/// Joins cracks, unless that makes faces contradict each other: rims of other parts lie there.
+void sew(UnitedParts& united) {
+  Mesh sewn = united.mesh;
+  const size_t count = sewCracks(sewn);
+  if (count == 0 ||
+      diagnose(sewn, {.brief = true}).flippedEdges > diagnose(united.mesh, {.brief = true}).flippedEdges)
+    return;
+  united.mesh = std::move(sewn);
+  united.sewnVertices = count;
+}
+
+/// Closes all holes of a mesh of an area. Returns whether that is possible. Between faces that contradict
+/// each other is no hole: patches there cut grooves.
+bool closeHolesOf(UnitedParts& united, double area, bool mayTurn) {
+  constexpr double kLittle = 1e-3;  // Share of the area.
+  const Diagnostics found = diagnose(united.mesh, {.brief = true});
+  if (found.balanced) return true;
+  if (!mayTurn && !found.consistentlyOriented) return false;
+  united.filled = fillHoles(united.mesh);
+  return united.filled.holes > 0 &&
+         (found.consistentlyOriented || areaOfLast(united.mesh, united.filled.faces) <= kLittle * area);
+}
+
+/// Appends plates. Their faces have the given faces of their sheets.
+void append(const Plates& plates, Mesh& mesh, std::vector<uint32_t>& given) {
+  const auto first = uint32_t(mesh.vertices.size());
+  mesh.vertices.insert(mesh.vertices.end(), plates.mesh.vertices.begin(), plates.mesh.vertices.end());
+  for (const glm::uvec3& t : plates.mesh.triangles) mesh.triangles.push_back(t + first);
+  given.insert(given.end(), plates.sources.begin(), plates.sources.end());
+}
+
 }  // namespace
 
-UnitedParts uniteParts(const Model& given, InsideOut insideOut, bool closesHoles) {
-  constexpr double kLittle = 1e-3;  // Share of the area.
+UnitedParts uniteParts(const Model& given, InsideOut insideOut, bool closesHoles, double sheetThickness) {
   UnitedParts united{.mesh = weldedCopy(given)};
-  std::vector<uint32_t> faces;  // Of the given mesh, if some were left out.
-  std::vector<uint32_t> back;   // Faces that contradict their part.
+  std::vector<uint32_t> faces(united.mesh.triangles.size());  // Given face of each face.
+  std::iota(faces.begin(), faces.end(), 0u);
+  std::vector<uint32_t> back;  // Given faces that contradict their part.
   if (!diagnose(united.mesh, {.brief = true}).balanced) {
     CleanedFaces cleaned = cleanFaces(given);
     united.mesh = std::move(cleaned.mesh);
     faces = std::move(cleaned.given);
     united.cleanedFaces = cleaned.count;
-    bool isConsistent = diagnose(united.mesh, {.brief = true}).consistentlyOriented;
-    if (!isConsistent && insideOut == InsideOut::Turned) {
-      back = turnBack(united.mesh);
-      isConsistent = !back.empty();
+    if (insideOut == InsideOut::Turned && !diagnose(united.mesh, {.brief = true}).consistentlyOriented)
+      back = facesOf(turnBack(united.mesh), faces);
+    if (closesHoles) sew(united);
+    const Diagnostics found = diagnose(united.mesh);
+    Plates plates;
+    if (found.sheets > 0) {
+      if (sheetThickness == 0.0 || !hasLooseSheets(found)) return {.failure = FieldReason::Sheet};
+      plates = thickenSheets(united.mesh, sheetThickness);
+      for (uint32_t& face : plates.sources) face = faces[face];
+      united.thickenedShare = found.sheetShare;
+      takeOut(plates.sheets, united.mesh, faces);
     }
-    if (closesHoles) united.sewnVertices = sewCracks(united.mesh);
-    if (const Diagnostics found = diagnose(united.mesh); !found.balanced) {
-      if (found.sheets > 0) return {.failure = FieldReason::Sheet};
-      if (closesHoles && (insideOut == InsideOut::Turned || found.consistentlyOriented))
-        united.filled = fillHoles(united.mesh);
-      if (united.filled.holes == 0) return {.failure = FieldReason::Open};
-      // Between faces that contradict each other is no hole: patches there cut grooves.
-      if (!isConsistent && areaOfLast(united.mesh, united.filled.faces) > kLittle * found.area)
-        return {.failure = FieldReason::Open};
-    }
+    if (closesHoles && !closeHolesOf(united, found.area, insideOut == InsideOut::Turned))
+      return {.failure = FieldReason::Open};
+    faces.resize(united.mesh.triangles.size(), kNoTriangle);
+    append(plates, united.mesh, faces);
+    if (!diagnose(united.mesh, {.brief = true}).balanced) return {.failure = FieldReason::Open};
   }
   if (insideOut == InsideOut::Turned) united.inverted = findInvertedParts(united.mesh);
   turnFaces(united.mesh, united.inverted.faces);
@@ -64,12 +108,9 @@ UnitedParts uniteParts(const Model& given, InsideOut insideOut, bool closesHoles
   std::vector<uint32_t> inverted;
   std::ranges::set_symmetric_difference(united.inverted.faces, settled.exact.turned,
                                         std::back_inserter(inverted));
-  std::ranges::set_symmetric_difference(back, inverted, std::back_inserter(united.turned));
-  if (!faces.empty()) {
-    std::erase_if(united.turned, [&](uint32_t f) { return f >= faces.size(); });
-    united.turned = facesOf(united.turned, faces);
-    for (uint32_t& f : settled.sources) f = f < faces.size() ? faces[f] : kNoTriangle;
-  }
+  std::ranges::set_symmetric_difference(back, facesOf(inverted, faces), std::back_inserter(united.turned));
+  std::erase(united.turned, kNoTriangle);
+  for (uint32_t& f : settled.sources) f = faces[f];
   united.mesh = std::move(settled.mesh);
   united.sources = std::move(settled.sources);
   united.cutFaces = settled.exact.cutFaces + settled.partedFaces;

@@ -20,6 +20,7 @@ struct UnitedParts {
   size_t cleanedFaces = 0;             ///< Number of degenerate and repeated faces that were removed.
   size_t sewnVertices = 0;             ///< Number of vertices that went as cracks were closed.
   size_t movedVertices = 0;            ///< Number of vertices that moved so that no faces cross once rounded.
+  double thickenedShare = 0.0;         ///< Share of the area that was sheets, which are plates now.
   double buriedShare = 0.0;            ///< Share of the area that lies within the union.
   FilledHoles filled = {};             ///< Holes that were closed, and the faces that do.
   InvertedParts inverted = {};         ///< Parts that were inside out, crossed others and were turned.
@@ -37,7 +38,9 @@ enum class InsideOut : uint8_t {
 
 /// Cuts the faces of a mesh where they cross, overlap or touch, and keeps what bounds the union. If parts may
 /// be turned, turns back faces that contradict their part before. With `closesHoles`, closes all holes,
-/// unless a part is a sheet or its faces still contradict each other.
-UnitedParts uniteParts(const Model& mesh, InsideOut insideOut = InsideOut::Turned, bool closesHoles = false);
+/// unless faces still contradict each other. Sheets become plates of `sheetThickness`, if it is not 0 and
+/// they have at most half of the area.
+UnitedParts uniteParts(const Model& mesh, InsideOut insideOut = InsideOut::Turned, bool closesHoles = false,
+                       double sheetThickness = 0.0);
 
 }  // namespace raymap

@@ -1,0 +1,29 @@
+#pragma once
+
+#include <raymap/diagnostics.h>
+#include <raymap/mesh.h>
+
+#include <cstdint>
+#include <vector>
+
+namespace raymap {
+
+/// Returns whether a mesh has sheets beside solids. If most of the area is in sheets, they may bound a solid
+/// together.
+inline bool hasLooseSheets(const Diagnostics& found) {
+  return found.sheets > 0 && found.sheetShare <= 0.5;
+}
+
+/// Plates around the sheets of a mesh, and what they replace.
+struct Plates {
+  std::vector<uint32_t> sheets;   ///< Faces of the sheets, ascending.
+  Mesh mesh = {};                 ///< The plates, closed. They may cross each other and themselves.
+  std::vector<uint32_t> sources;  ///< Face of a sheet that each face of a plate belongs to.
+};
+
+/// Makes plates of a thickness around the sheets of a mesh whose equal positions are one vertex. Each corner
+/// moves to both sides, until its faces have half of the thickness there; at sharp edges, by at most all of
+/// it. Rims get walls. Which side the faces point to does not matter.
+Plates thickenSheets(const Mesh& mesh, double thickness);
+
+}  // namespace raymap
