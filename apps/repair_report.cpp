@@ -83,6 +83,8 @@ void printMended(const RepairReport& report, const std::optional<double>& base) 
     std::snprintf(text.data(), text.size(), "joined the rim to a base at %g with ", *base);
     add(text.data() + counted(report.closingFaces, "face"));
   }
+  if (report.keepsFaces() && report.after.degenerateFaces > 0)
+    add("kept " + counted(report.after.degenerateFaces, "degenerate face") + ", as others cross without");
   if (report.keepsFaces() && report.thickenedShare > 0.0) {
     std::snprintf(text.data(), text.size(), "made plates %.3g thick of sheets (%.2g %% of the area)",
                   report.leastThickness, 100.0 * report.thickenedShare);

@@ -318,6 +318,29 @@ TEST(UniteParts, MakesPlatesOfSheets) {
   expectPlates(quads(touching, {{0, 1, 2, 3}, {2, 4, 5, 6}}), 8.0, 8.0);
 }
 
+TEST(UniteParts, KeepsNeedlesWithoutWhichOthersCross) {
+  // A rod with sides so narrow that all are degenerate: welds of their short edges would crush it.
+  constexpr uint32_t kSides = 1024;
+  constexpr double kLength = 8000.0;
+  std::vector<glm::dvec3> corners{{0, 0, 0}, {kLength, 0, 0}};
+  std::vector<glm::uvec3> faces;
+  for (uint32_t i = 0; i < kSides; ++i) {
+    const double turn = 2.0 * std::numbers::pi * i / kSides;
+    for (const double x : {0.0, kLength}) corners.emplace_back(x, std::cos(turn), std::sin(turn));
+    const uint32_t a = 2 + 2 * i, b = 2 + 2 * ((i + 1) % kSides);
+    faces.insert(faces.end(), {{a, b + 1, a + 1}, {a, b, b + 1}, {0, b, a}, {1, a + 1, b + 1}});
+  }
+  const Mesh rod = makeMesh(corners, faces);
+  ASSERT_EQ(diagnose(rod).degenerateFaces, 2u * kSides);
+  const Mesh box = shapes::box({4000, -2, -2}, {4004, 2, 2});
+  const UnitedParts united = uniteParts(Model(join({rod, box})));
+  ASSERT_EQ(united.failure, FieldReason::None);
+  const double section = 0.5 * kSides * std::sin(2.0 * std::numbers::pi / kSides);
+  EXPECT_NEAR(diagnose(united.mesh).signedVolume, section * (kLength - 4.0) + 64.0, 0.01);
+  EXPECT_TRUE(isAllRight(Model(united.mesh), nullptr, true));
+  EXPECT_FALSE(isAllRight(Model(united.mesh)));
+}
+
 TEST(UniteParts, UnitesPlatesWithTheSolidsThatTheyMeet) {
   const Mesh fin = quads({{1, 0.5, 1}, {3, 0.5, 1}, {3, 1.5, 1}, {1, 1.5, 1}}, {{0, 1, 2, 3}});
   const UnitedParts united =

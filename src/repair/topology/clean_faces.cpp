@@ -242,14 +242,16 @@ void raiseApex(const Model& links, Mesh& mesh, uint32_t face, double rounding) {
 
 }  // namespace
 
-CleanedFaces cleanFaces(const Model& mesh, bool areRounded) {
+CleanedFaces cleanFaces(const Model& mesh, Cleaning how) {
+  const bool areRounded = how == Cleaning::Rounded;
   constexpr int kMostRounds = 16;  // A round takes one of several degenerate faces in a row.
   CleanedFaces cleaned{.mesh = weldedCopy(mesh)};
   for (uint32_t f = 0; f < cleaned.mesh.triangles.size(); ++f) cleaned.given.push_back(f);
   leaveOutFlat(cleaned);
   leaveOutRepeated(cleaned);
   leaveOutOtherSides(cleaned);
-  for (int round = 0; round < kMostRounds; ++round) {
+  const int rounds = how == Cleaning::Repeated ? 0 : kMostRounds;
+  for (int round = 0; round < rounds; ++round) {
     const std::vector<uint32_t> degenerate = degenerateFaces(Model(cleaned.mesh));
     if (degenerate.empty()) break;
     if (!weldShortEdges(cleaned, degenerate, areRounded) && !flipLongEdges(cleaned, degenerate, areRounded))

@@ -18,13 +18,20 @@ struct CleanedFaces {
   size_t count = 0;  ///< Number of faces that were removed or replaced with a neighbour.
 };
 
+/// What `cleanFaces` cleans away.
+enum class Cleaning : uint8_t {
+  Repeated,    ///< Repeated faces, and those with a repeated corner.
+  Degenerate,  ///< All degenerate faces, too.
+  Rounded      ///< The same where corners are rounded.
+};
+
 /// Leaves out faces with a repeated corner, repeated ones that close nothing, and the other side of faces
 /// that the surface around them needs once. Welds the ends of edges shorter than 1e-6 of the longest edge of
 /// a degenerate face. Flips the longest edge of the other degenerate faces, which moves no surface by more
 /// than their height, unless that leaves a degenerate face. If corners are rounded, welds edges of up to 1e-5
 /// of the longest, or of 1e-6 of the mesh, and flips edges between two degenerate faces, too: more faces go,
 /// but others may cross then. Faces that stay degenerate become just high enough.
-CleanedFaces cleanFaces(const Model& mesh, bool areRounded = false);
+CleanedFaces cleanFaces(const Model& mesh, Cleaning how = Cleaning::Degenerate);
 
 /// Returns the given faces of some faces of a cleaned mesh, ascending.
 std::vector<uint32_t> facesOf(const std::vector<uint32_t>& faces, const std::vector<uint32_t>& given);

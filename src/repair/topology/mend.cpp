@@ -91,21 +91,22 @@ std::vector<uint32_t> turnBack(Mesh& mesh) {
   return {};
 }
 
-bool looksRight(const Diagnostics& found) {
+bool looksRight(const Diagnostics& found, bool mayBeDegenerate) {
   return found.watertight && found.signedVolume > 0.0 && found.nonManifoldEdges == 0 &&
-         found.consistentlyOriented && found.degenerateFaces == 0 && found.duplicateFaces == 0;
+         found.consistentlyOriented && (mayBeDegenerate || found.degenerateFaces == 0) &&
+         found.duplicateFaces == 0;
 }
 
 bool crossesNowhere(const SelfIntersections& crossing) {
   return crossing.pairs == 0 && crossing.complete;
 }
 
-bool isAllRight(const Model& mesh, SelfIntersections* crossing) {
+bool isAllRight(const Model& mesh, SelfIntersections* crossing, bool mayBeDegenerate) {
   const Diagnostics found = diagnose(mesh, {.brief = true});
-  if (!looksRight(found) && !crossing) return false;
+  if (!looksRight(found, mayBeDegenerate) && !crossing) return false;
   SelfIntersections pairs = findSelfIntersections(mesh);
-  const bool areRight =
-      looksRight(found) && crossesNowhere(pairs) && isRight(arrangeParts(mesh, found, pairs));
+  const bool areRight = looksRight(found, mayBeDegenerate) && crossesNowhere(pairs) &&
+                        isRight(arrangeParts(mesh, found, pairs));
   if (crossing) *crossing = std::move(pairs);
   return areRight;
 }

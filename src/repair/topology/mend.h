@@ -14,7 +14,7 @@ namespace raymap {
 
 /// Returns whether these counts find nothing wrong with a mesh: every edge has two faces that agree, the
 /// faces point outwards, and none is degenerate or a duplicate.
-bool looksRight(const Diagnostics& found);
+bool looksRight(const Diagnostics& found, bool mayBeDegenerate = false);
 
 /// Returns whether no faces cross, and the search for them is complete.
 bool crossesNowhere(const SelfIntersections& crossing);
@@ -24,7 +24,7 @@ bool crossesNowhere(const SelfIntersections& crossing);
 std::vector<uint32_t> turnBack(Mesh& mesh);
 
 /// Returns whether nothing at all is wrong with a mesh. `crossing` receives the faces that cross.
-bool isAllRight(const Model& mesh, SelfIntersections* crossing = nullptr);
+bool isAllRight(const Model& mesh, SelfIntersections* crossing = nullptr, bool mayBeDegenerate = false);
 
 /// A mesh with what is certain mended: faces turned back, holes closed.
 struct Mended {

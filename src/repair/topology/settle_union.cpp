@@ -15,9 +15,9 @@ namespace raymap {
 
 namespace {
 
-/// Unites a mesh until no faces cross. Returns the faces of the mesh whose parts crossed others after the
-/// first round, if it does not end.
-std::vector<uint32_t> settle(const Mesh& closed, bool mayTurn, SettledUnion& settled) {
+/// Unites a mesh until no faces cross. Degenerate faces may stay with `keepsNeedles`. Returns the faces of
+/// the mesh whose parts crossed others after the first round, if it does not end.
+std::vector<uint32_t> settle(const Mesh& closed, bool mayTurn, bool keepsNeedles, SettledUnion& settled) {
   constexpr int kMostRounds = 4;        // New vertices are rounded, so that faces may cross again.
   constexpr double kSameVolume = 1e-3;  // Share of the volume that rounding and cleaning may change.
   std::vector<uint32_t> crossed;
@@ -27,18 +27,20 @@ std::vector<uint32_t> settle(const Mesh& closed, bool mayTurn, SettledUnion& set
   for (int round = 0; round < kMostRounds; ++round) {
     std::optional<UnitedFaces> cut = uniteFaces(Model(settled.mesh), mayTurn);
     if (!cut || cut->mesh.triangles.empty()) break;
-    CleanedFaces cleaned = cleanFaces(Model(cut->mesh), true);
+    CleanedFaces cleaned =
+        cleanFaces(Model(cut->mesh), keepsNeedles ? Cleaning::Repeated : Cleaning::Rounded);
     for (uint32_t& f : cleaned.given) f = round == 0 ? cut->sources[f] : settled.sources[cut->sources[f]];
     settled.sources = std::move(cleaned.given);
     settled.mesh = std::move(cleaned.mesh);
     if (settled.exact.mesh.triangles.empty()) settled.exact = std::move(*cut);
     settled.partedFaces += partEdges(settled.mesh, settled.sources);
-    raiseDegenerate(settled.mesh);
+    if (!keepsNeedles) raiseDegenerate(settled.mesh);
     SelfIntersections crossing;
-    if (!isAllRight(Model(settled.mesh), &crossing)) {
+    if (!isAllRight(Model(settled.mesh), &crossing, keepsNeedles)) {
       if (round == 0) crossed = facesOf(crossing.faces, settled.sources);
       if (crossing.pairs > pairs) break;  // Rounding makes ever more.
       pairs = crossing.pairs;
+      if (keepsNeedles) continue;
       raiseLowFaces(settled.mesh, crossing.faces);
       if (!isAllRight(Model(settled.mesh))) continue;
     }
@@ -73,19 +75,27 @@ void moveCorners(Mesh& mesh, const std::vector<uint32_t>& faces, uint32_t attemp
   }
 }
 
-}  // namespace
-
-SettledUnion settleUnion(Mesh closed, bool mayTurn) {
+/// Unites a mesh, and moves corners of faces that cross.
+SettledUnion settleMoving(Mesh closed, bool mayTurn, bool keepsNeedles) {
   constexpr uint32_t kMostAttempts = 5;
   constexpr size_t kFew = 16;  // With a larger share of crossing faces, moved ones only cross elsewhere.
   SettledUnion settled;
   std::vector<bool> haveMoved(closed.vertices.size());
   for (uint32_t attempt = 0; attempt < kMostAttempts; ++attempt) {
-    const std::vector<uint32_t> crossed = settle(closed, mayTurn, settled);
+    const std::vector<uint32_t> crossed = settle(closed, mayTurn, keepsNeedles, settled);
     if (crossed.empty() || crossed.size() > closed.triangles.size() / kFew) break;
     moveCorners(closed, crossed, attempt, haveMoved);
   }
   settled.movedVertices = size_t(std::ranges::count(haveMoved, true));
+  return settled;
+}
+
+}  // namespace
+
+SettledUnion settleUnion(Mesh closed, bool mayTurn) {
+  SettledUnion settled = settleMoving(closed, mayTurn, false);
+  if (!settled.isRight && diagnose(closed, {.brief = true}).degenerateFaces > 0)
+    settled = settleMoving(std::move(closed), mayTurn, true);
   return settled;
 }
 
