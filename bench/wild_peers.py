@@ -129,7 +129,7 @@ def repairs_raymap(raymap, vertices, faces):
         warnings.simplefilter("always")
         solid, report = raymap.repair(vertices, faces, device="cpu")
     gone = any(report[key]["count"] for key in ("dropped", "filled", "buried"))
-    return solid.vertices, solid.faces, 1.0 if gone else report["lost_share"] + report["buried_share"]
+    return solid.vertices, solid.faces, 1.0 if gone else sum(report[share] for share in ("lost_share", "buried_share", "thickened_share"))
 
 
 @peer("pymeshfix")

@@ -394,6 +394,18 @@ TEST(UniteParts, RepairMakesPlatesAsThickAsAFieldWould) {
   EXPECT_EQ(repair(mesh, grid, {}, {.minThickness = 0.0}).report.fieldReason, FieldReason::Sheet);
 }
 
+TEST(UniteParts, ClosesBowlsBesideSolids) {
+  // Less than half of a ball is a sheet, but no plate once it is closed.
+  Mesh bowl = shapes::sphere(1.0, 3);
+  std::erase_if(bowl.triangles, [&](const glm::uvec3& t) { return bowl.position(t.x).z > -0.1; });
+  const Mesh mesh = join({shapes::sphere(2.0, 3, {5, 0, 0}), bowl});
+  ASSERT_EQ(diagnose(mesh).sheets, 1u);
+  const Repaired made = repair(mesh, fitRepairGrid(mesh, {.resolution = 32}));
+  EXPECT_EQ(made.report.depth, RepairDepth::Mended);
+  EXPECT_EQ(made.report.closedHoles, 1u);
+  EXPECT_EQ(made.report.thickenedShare, 0.0);
+}
+
 TEST(UniteParts, SewsNoRimsOfPartsThatContradictEachOther) {
   constexpr double kGap = 1e-3, kThickness = 0.1;
   Mesh open = shapes::box({0, 0, 0}, {2, 2, 2});

@@ -3,6 +3,7 @@
 #include <raymap/error.h>
 
 #include <algorithm>
+#include <cmath>
 #include <iterator>
 #include <optional>
 #include <utility>
@@ -10,11 +11,11 @@
 #include "mesh/compact.h"
 #include "mesh/defects.h"
 #include "mesh/diagnostics.h"
+#include "mesh/face_measures.h"
 #include "mesh/patches.h"
 #include "mesh/pieces.h"
 #include "repair/topology/base.h"
 #include "repair/topology/flat_holes.h"
-#include "repair/topology/thicken_sheets.h"
 
 namespace raymap {
 
@@ -69,13 +70,29 @@ FilledHoles addBase(Mesh& mesh, bool crossesNowhere, const RepairOptions& repair
   return {filled.holes, mesh.triangles.size() - before};
 }
 
+/// Returns whether faces are on pieces that enclose hardly anything: sheets that were closed, so both sides
+/// lie on each other.
+bool isAnyDoubled(const Mesh& closed, const std::vector<uint32_t>& faces) {
+  constexpr double kNoVolume = 1e-3;  // Share of the area to the power of 3/2. A half ball has 0.07.
+  if (faces.empty()) return false;
+  const Model mesh(closed);
+  const Pieces found = findPieces(mesh);
+  std::vector<double> areas(found.pieces.size());
+  forEachFaceMeasure(mesh, {}, [&](size_t f, const FaceMeasure& face) { areas[found.ids[f]] += face.area; });
+  return std::ranges::any_of(faces, [&](uint32_t f) {
+    const uint32_t piece = found.ids[f];
+    return std::abs(found.pieces[piece].volume) < kNoVolume * std::pow(areas[piece], 1.5);
+  });
+}
+
 /// Fills all holes of a mesh with no other faults. Returns nothing if that does not make it right.
 std::optional<Mended> fillAll(const Mended& open, size_t given) {
   Mended mended = open;
   mended.filled = fillHoles(mended.mesh);
   if (mended.filled.holes == 0) return {};
   turnOut(mended.mesh, given, mended.turned);
-  mended.isRight = isAllRight(Model(mended.mesh));
+  mended.isRight =
+      isAllRight(Model(mended.mesh)) && !isAnyDoubled(mended.mesh, facesOfSheets(Model(open.mesh)));
   return mended.isRight ? std::optional(std::move(mended)) : std::nullopt;
 }
 
@@ -122,7 +139,7 @@ Mended mend(const Model& mesh, const Diagnostics& found, const SelfIntersections
   } else if (repair.closeHoles && !found.watertight) {
     const bool canBeRight = found.nonManifoldEdges + found.degenerateFaces + found.duplicateFaces == 0 &&
                             (found.consistentlyOriented || !mended.turned.empty());
-    if (mayKeep && isUncrossed && canBeRight && !hasLooseSheets(found))
+    if (mayKeep && isUncrossed && canBeRight)
       if (std::optional<Mended> filled = fillAll(mended, given)) return std::move(*filled);
     mended.filled = fillFlatHoles(mended.mesh);
   }
