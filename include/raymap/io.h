@@ -77,11 +77,12 @@ struct MeshWriteOptions {
 /// all. An STL has single precision and no shared vertices; a .glb has single precision about an origin. The
 /// other formats keep every position, also those of a view in double precision.
 /// Warns if single precision moves a vertex by more than 1e-5 of the longest side of the mesh's bounds, and
-/// of attributes that are not in the file: an .obj holds all, a .ply colours and texture coordinates of
-/// vertices. A .3mf joins equal positions if no triangles share a vertex (as those of an STL), leaves out
-/// triangles that name a vertex twice, as its standard demands; its title is the file's name. Throws `Error`:
-/// Usage for another extension or an offset that is not finite, Input (see `validate`), File, Unsupported if
-/// the format cannot hold so many triangles.
+/// of attributes that are not in the file: an .obj and a .glb hold all, a .ply colours and texture
+/// coordinates of vertices. An .obj and a .glb lack how each other's materials look. A .3mf joins equal
+/// positions if no triangles share a vertex (as those of an STL), leaves out triangles that name a vertex
+/// twice, as its standard demands; its title is the file's name. Throws `Error`: Usage for another extension
+/// or an offset that is not finite, Input (see `validate`), File, Unsupported if the format cannot hold so
+/// many triangles.
 RAYMAP_API void writeMesh(const std::filesystem::path& path, const MeshView& mesh,
                           const MeshWriteOptions& options = {});
 

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <glm/glm.hpp>
+#include <memory>
 #include <span>
 #include <string>
 #include <vector>
@@ -27,6 +28,8 @@ struct MeshPart {
   bool operator==(const MeshPart&) const = default;
 };
 
+struct GltfMaterials;  // Not for users.
+
 /// Attributes of a mesh: what its file says beside positions and triangles. Arrays for each triangle may be
 /// empty: none has any.
 struct MeshAttributes {
@@ -37,7 +40,8 @@ struct MeshAttributes {
   std::vector<std::string> materials = {};            ///< Names of materials.
   std::vector<uint32_t> materialOf = {};              ///< Material of each triangle, or `kNone`.
   std::vector<std::filesystem::path> libraries = {};  ///< Files that describe the materials.
-  CornerValues<glm::vec2> uvs = {};                   ///< Texture coordinates.
+  std::shared_ptr<const GltfMaterials> gltf = {};     ///< Looks of `materials` that a glTF had, for a .glb.
+  CornerValues<glm::vec2> uvs = {};                   ///< Texture coordinates; (0, 0) is bottom left.
   CornerValues<glm::vec4> colours = {};               ///< Red, green, blue and alpha, from 0 to 1.
   /// Attributes of the file that no array holds, in words: "3 materials".
   std::vector<std::string> lost = {};

@@ -30,7 +30,7 @@ constexpr std::array kMeshFormats{
     MeshFormat{".ply", writePly, Precision::Double, {.uvs = true, .colours = true}},
     MeshFormat{".obj", writeObj, Precision::Double, {true, true, true, true}},
     MeshFormat{".stl", writeStl, Precision::Single},
-    MeshFormat{".glb", writeGlb, Precision::Origin, {.parts = true}},
+    MeshFormat{".glb", writeGlb, Precision::Origin, {true, true, true, true}},
     MeshFormat{".3mf", nullptr, Precision::Double, {.parts = true}}};
 
 const MeshFormat& formatFor(const std::filesystem::path& path, std::string_view given) {
@@ -121,8 +121,8 @@ void warnOfAttributes(const std::filesystem::path& path, const WritableMesh& mes
   if (!warn) return;
   const MeshAttributes& attributes = *mesh.attributes;
   const AttributeKinds& held = format.held;
-  const bool isObj =
-      format.write == writeObj;  // It has texture coordinates at corners, and parts of any faces.
+  // An .obj has texture coordinates at corners, and parts of any faces.
+  const bool isObj = format.write == writeObj, isGlb = format.write == writeGlb;
   std::vector<std::string> lost =
       describe(attributes, {.parts = !isObj && (!held.parts || mesh.partOf.empty()),
                             .materials = !held.materials,
@@ -130,12 +130,17 @@ void warnOfAttributes(const std::filesystem::path& path, const WritableMesh& mes
                             .colours = !held.colours});
   const std::string kept = listed(lost);
   if (held.colours && mesh.colours.differ) lost.emplace_back("colours that differ at a vertex");
+  if (held.materials &&
+      (isGlb ? !attributes.gltf && !attributes.libraries.empty() : attributes.gltf != nullptr))
+    lost.emplace_back("looks of materials");
   lost.insert(lost.end(), attributes.lost.begin(), attributes.lost.end());
   if (lost.empty()) return;
   const std::string all = listed(lost);
   warn({WarningCode::AttributesLost,
         path.string() + ": it lacks what the given mesh has: " + all +
-            (kept.empty() ? "" : "; an .obj keeps " + (kept == all ? "them" : kept)),
+            (kept.empty() ? ""
+                          : (attributes.gltf && !isGlb ? "; a .glb keeps " : "; an .obj keeps ") +
+                                (kept == all ? "them" : kept)),
         {.file = path.string()}});
 }
 
@@ -144,9 +149,10 @@ void addAttributes(const MeshAttributes* attributes, const MeshFormat& format, W
   if (!attributes) return;
   validate(*attributes, mesh.triangles.size());
   mesh.attributes = attributes;
+  if (format.held.parts && format.write != writeObj) mesh.partOf = separateParts(mesh);
+  if (format.write == writeGlb) return;  // It splits vertices whose corners differ.
   if (format.held.uvs) mesh.uvs = vertexValues(attributes->uvs, mesh);
   if (format.held.colours) mesh.colours = vertexValues(attributes->colours, mesh);
-  if (format.held.parts && format.write != writeObj) mesh.partOf = separateParts(mesh);
 }
 
 }  // namespace

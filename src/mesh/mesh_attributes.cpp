@@ -133,6 +133,7 @@ MeshAttributes carryAttributes(const MeshAttributes& attributes, const MeshView&
   carried.materials = attributes.materials;
   carried.materialOf = select(attributes.materialOf, sources);
   carried.libraries = attributes.libraries;
+  carried.gltf = attributes.gltf;
   carried.uvs = startOf(attributes.uvs, sources.size());
   carried.colours = startOf(attributes.colours, sources.size());
   if (attributes.uvs.corners.empty() && attributes.colours.corners.empty()) return carried;

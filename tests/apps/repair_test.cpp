@@ -3,6 +3,7 @@
 
 #include "cli.h"
 #include "shapes.h"
+#include "textured_glb.h"
 
 namespace raymap {
 namespace {
@@ -57,6 +58,20 @@ TEST_F(CliRepair, KeepsAttributesOfFacesThatStay) {
       ".obj keeps them\n");
   succeed("convert two.3mf again.obj");
   EXPECT_NE(readBytes(path("again.obj")).find("o two\n"), std::string::npos);
+}
+
+TEST_F(CliRepair, KeepsTexturesOfAGlb) {
+  std::string buffer;
+  const std::string json = samples::texturedJson(buffer);
+  std::ofstream(path("in.glb"), std::ios::binary) << samples::glb(json, buffer);
+  for (const std::string command : {"convert", "repair"}) {
+    EXPECT_NE(run(command + " in.glb -o " + command + ".glb")
+                  .err.find("lacks what the given mesh has: 1 texture with other coordinates\n"),
+              std::string::npos);
+    const std::string text = readBytes(path(command + ".glb"));
+    for (const std::string& kept : {samples::kImage, std::string("TEXCOORD_0"), std::string("COLOR_0")})
+      EXPECT_NE(text.find(kept), std::string::npos) << command << " " << kept;
+  }
 }
 
 TEST_F(CliRepair, RepairsAMesh) {

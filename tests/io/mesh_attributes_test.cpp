@@ -8,6 +8,7 @@
 #include "io/mesh/mesh_file.h"
 #include "mesh_samples.h"
 #include "shapes.h"
+#include "textured_glb.h"
 
 namespace raymap {
 namespace {
@@ -217,11 +218,137 @@ TEST_F(MeshAttributesTest, OfPartsAreObjectsOfAGlbAnd3mf) {
   }
 }
 
+/// Expects what the textured GLB has, whatever its vertices and triangles.
+void expectTextured(const Mesh& mesh, const MeshAttributes& found) {
+  EXPECT_EQ(found.materials, (std::vector<std::string>{"paint", "material 1"}));
+  ASSERT_EQ(found.materialOf.size(), mesh.triangles.size());
+  ASSERT_EQ(found.uvs.corners.size(), mesh.triangles.size());
+  ASSERT_EQ(found.colours.corners.size(), mesh.triangles.size());
+  for (size_t f = 0; f < mesh.triangles.size(); ++f) {
+    const glm::uvec3& t = mesh.triangles[f];
+    const glm::dvec3 a = mesh.position(t.x), b = mesh.position(t.y), c = mesh.position(t.z);
+    const glm::dvec3 normal = glm::normalize(glm::cross(b - a, c - a));
+    // The second box is from 1 to 3 along each axis; the first one begins at 0.
+    EXPECT_EQ(found.materialOf[f], std::max({a.x, a.y, a.z, b.x, b.y, b.z, c.x, c.y, c.z}) > 2.0 ? 1u : 0u);
+    for (int k = 0; k < 3; ++k) {
+      const glm::vec2 uv = found.uvs.values.at(found.uvs.corners[f][k]);
+      EXPECT_LT(glm::distance(uv, samples::uvAt(mesh.position(t[k]), normal)), 1e-6F) << f << " " << k;
+      if (found.materialOf[f] == 1) continue;
+      const glm::vec4 colour = found.colours.values.at(found.colours.corners[f][k]);
+      EXPECT_LT(glm::distance(colour, {0.2F, 0.4F, 0.0F, 1.0F}), 1e-6F) << f;
+    }
+  }
+}
+
+TEST_F(MeshAttributesTest, OfAGlbAreKeptAndWrittenAgain) {
+  std::string buffer, first;
+  const std::string json = samples::texturedJson(buffer);
+  const Mesh mesh = loadText("in.glb", samples::glb(json, buffer));
+  EXPECT_EQ(said_, "");
+  EXPECT_EQ(found_.lost, (std::vector<std::string>{"1 texture with other coordinates"}));
+  found_.lost.clear();
+  expectTextured(mesh, found_);
+  const Grid grid = fitRepairGrid(mesh, {.voxelSize = 0.5}, {});
+  const Repaired repaired = repair(mesh, grid, {}, {}, {.device = "cpu"});
+  EXPECT_NEAR(repaired.report.after.signedVolume, 15.0, 1e-9);  // The boxes cut each other.
+  const MeshAttributes given = found_;
+  Mesh mirrored = loadText(
+      "in.glb",
+      samples::glb(samples::replaced(json, R"({"mesh":0})", R"({"mesh":0,"scale":[1,1,-1]})"), buffer));
+  for (glm::vec3& v : mirrored.vertices) v.z = -v.z;
+  mirrored.origin.z = -mirrored.origin.z;
+  expectTextured(mirrored, found_);
+  for (const Mesh& each : {mesh, repaired.mesh}) {
+    found_ = each.triangles.size() == 24 ? given : carryAttributes(given, mesh, each, repaired.faceSource);
+    store("out.glb", each);
+    EXPECT_EQ(said_, "");
+    const std::string text = readBytes(path("out.glb"));
+    for (
+        const char* kept :
+        {R"("extensionsUsed":["KHR_texture_transform"])", R"("extensionsRequired":["KHR_texture_transform"])",
+         R"({"name":"paint","pbrMetallicRoughness":{"baseColorTexture":{"extensions":{"KHR_texture_transform":)"
+         R"({"scale":[2,3]}},"index":0}}},{"alphaCutoff":0.5,"alphaMode":"MASK"}])",
+         R"("samplers":[{"wrapS":33071}])", R"("textures":[{"sampler":0,"source":0}])"})
+      EXPECT_NE(text.find(kept), std::string::npos) << kept;
+    EXPECT_EQ(text.find(samples::kImage) % 4, 0u);
+    const Mesh read = load(path("out.glb"));
+    expectTextured(read, found_);
+    EXPECT_EQ(diagnose(read).boundaryEdges, 0u);
+    EXPECT_EQ(said_, "");
+    store("again.glb", read);
+    EXPECT_EQ(readBytes(path("again.glb")), text);
+  }
+  found_ = given;
+  store("out.obj", mesh);
+  EXPECT_EQ(said_, "attributes_lost out.obj: it lacks what the given mesh has: looks of materials\n");
+  expectTextured(load(path("out.obj")), found_);
+}
+
+TEST_F(MeshAttributesTest, OfAnObjAreInAGlbToo) {
+  const Mesh mesh = loadText("in.obj", kObj);
+  store("out.glb", mesh);
+  EXPECT_EQ(said_, "attributes_lost out.glb: it lacks what the given mesh has: looks of materials\n");
+  const Mesh read = load(path("out.glb"));
+  EXPECT_EQ(read.vertices.size(),
+            mesh.vertices.size() + 2);  // Two have texture coordinates in one face alone.
+  EXPECT_EQ(found_.materials, (std::vector<std::string>{"red paint", "blue"}));
+  EXPECT_EQ(found_.materialOf, (std::vector<uint32_t>{0, 0, 1, 1}));
+  EXPECT_EQ(uvAt(1, 1), glm::vec2(0.9F, 0.8F));
+  EXPECT_EQ(partOf(2), "high/base");
+  store("out.ply", read);
+  EXPECT_EQ(said_,
+            "attributes_lost out.ply: it lacks what the given mesh has: 2 part names and 2 materials; a .glb "
+            "keeps them\n");
+}
+
+TEST_F(MeshAttributesTest, OfAGlbThatAreMalformedAreLeftOut) {
+  std::string buffer;
+  const std::string json = samples::texturedJson(buffer);
+  const auto expectSaid = [&](const std::string& from, const std::string& to, const std::string& what,
+                              const std::string& lost) {
+    loadText("in.glb", samples::glb(samples::replaced(json, from, to), buffer));
+    EXPECT_EQ(said_, "file_content in.glb: " + what + "; its " + lost + " are left out\n");
+    EXPECT_EQ(std::ranges::count(found_.lost, lost), 1) << lost;
+  };
+  expectSaid(R"("material":1)", R"("material":2)", "materials[2] does not exist: the file has 2",
+             "materials");
+  EXPECT_TRUE(found_.materialOf.empty() && !found_.uvs.corners.empty());
+  expectSaid(R"("TEXCOORD_0":4)", R"("TEXCOORD_0":3)", "accessors[3] should have type VEC2",
+             "texture coordinates");
+  EXPECT_TRUE(found_.uvs.corners.empty() && !found_.colours.corners.empty());
+  expectSaid(R"("COLOR_0":6)", R"("COLOR_0":60)", "accessors[60] does not exist: the file has 7", "colours");
+  expectSaid(R"("count":24,"type":"VEC4")", R"("count":23,"type":"VEC4")",
+             "accessors[6]: COLOR_0 of 23 vertices, POSITION has 24", "colours");
+  expectSaid(R"("bufferView":7,)", R"("bufferView":8,)", "bufferViews[8] does not exist: the file has 8",
+             "looks of materials");
+  EXPECT_EQ(found_.materials.size(), 2u);
+  std::string many;
+  for (int i = 0; i < 2000; ++i) many += R"({"bufferView":0},)";
+  expectSaid(R"("images":[)", R"("images":[)" + many, "its images share most of their bytes",
+             "looks of materials");
+  const std::string deep = samples::replaced(json, R"("samplers":[)", R"("x":)" + std::string(300, '['));
+  EXPECT_EQ(samples::errorOf(readGltf, deep), "sample.mesh: its JSON is nested too deep");
+  buffer.replace(288, 4, "\xff\xff\xff\x7f");
+  expectSaid("", "", "TEXCOORD_0 holds nan", "texture coordinates");
+}
+
+TEST_F(MeshAttributesTest, OfAGltfHaveTheirImagesEmbedded) {
+  std::string buffer;
+  const std::string json = samples::texturedJson(buffer), image = R"("bufferView":7,"mimeType":"image/png")";
+  std::ofstream(path("a b.png")) << samples::kImage;
+  for (const char* uri : {"a%20b.png", "data:image/png;base64,iVBORyBubyBwaXhlbHM=", "c.png", "../a b.png"}) {
+    const Mesh mesh =
+        loadText("in.glb",
+                 samples::glb(samples::replaced(json, image, R"("uri":")" + std::string(uri) + '"'), buffer));
+    store("out.glb", mesh);
+    const std::string text = readBytes(path("out.glb"));
+    const bool isKept = *uri != 'c' && *uri != '.';
+    EXPECT_EQ(text.find(samples::kImage) != text.npos, isKept) << uri;
+    EXPECT_EQ(text.find(uri) == text.npos, isKept);
+  }
+}
+
 TEST_F(MeshAttributesTest, OfOtherFilesAreNamedAsLost) {
-  const std::string json = samples::replaced(samples::gltf(R"("byteLength":60)"), R"("POSITION":)",
-                                             R"("TEXCOORD_0":0,"COLOR_0":0,"POSITION":)");
-  loadText("in.glb", samples::glb(json));
-  EXPECT_EQ(found_.lost, (std::vector<std::string>{"texture coordinates", "colours"}));
   loadText("in.off", "STCOFF\n3 1 0\n0 0 0 1 1 1 1 0 0\n1 0 0 1 1 1 1 0 0\n0 1 0 1 1 1 1 0 0\n3 0 1 2\n");
   EXPECT_EQ(found_.lost, (std::vector<std::string>{"colours", "texture coordinates"}));
 }

@@ -19,7 +19,7 @@ namespace {
 using Stream = std::vector<std::byte>;
 
 Stream streamOf(const std::string& base64) {
-  const Buffer<std::byte> bytes = decodeDataUri({}, "data:;base64," + base64);
+  const Buffer<std::byte> bytes = loadUri({}, "data:;base64," + base64);
   return {bytes.begin(), bytes.end()};
 }
 

@@ -16,11 +16,8 @@ using Json = GltfDocument::Json;
 
 /// Returns the object of a meshopt extension, or null.
 const Json* meshoptOf(const Json& json) {
-  const auto extensions = json.find("extensions");
-  if (extensions == json.end()) return nullptr;
   for (const char* name : {"EXT_meshopt_compression", "KHR_meshopt_compression"})
-    if (const auto found = extensions->find(name); found != extensions->end() && found->is_object())
-      return &*found;
+    if (const Json* found = extensionOf(json, name)) return found;
   return nullptr;
 }
 
@@ -71,7 +68,7 @@ void GltfDocument::openBuffers() {
 }
 
 void GltfDocument::openExternal(const std::string& uri) {
-  owned_.push_back(isDataUri(uri) ? decodeDataUri(file_, uri) : loadUri(file_, uri));
+  owned_.push_back(loadUri(file_, uri));
   buffers_.emplace_back(owned_.back());
 }
 

@@ -16,6 +16,8 @@ namespace {
 // Upper bound of counts and indices. Sums of two of them, and products with an element's size, fit 64 bits.
 constexpr uint64_t kLargest = uint64_t{1} << 48;
 
+constexpr int kDeepest = 256;  // Nesting of JSON: functions of its library call themselves.
+
 // Component types, numbered as in the file.
 constexpr uint64_t kInt8 = 5120, kUInt8 = 5121, kInt16 = 5122, kUInt16 = 5123, kUInt32 = 5125, kFloat = 5126;
 
@@ -111,6 +113,13 @@ std::string jsonText(const GltfDocument::Json& json) {
 
 }  // namespace
 
+const GltfDocument::Json* extensionOf(const GltfDocument::Json& object, const char* name) {
+  const auto all = object.find("extensions");
+  if (all == object.end() || !all->is_object()) return nullptr;
+  const auto found = all->find(name);
+  return found != all->end() && found->is_object() ? &*found : nullptr;
+}
+
 std::vector<glm::dvec3> vectors(std::span<const double> numbers) {
   std::vector<glm::dvec3> result;
   result.reserve(numbers.size() / 3);
@@ -129,7 +138,10 @@ GltfDocument::GltfDocument(const MeshFile& file) : file_(file) {
 
 void GltfDocument::parse(std::string_view json) {
   try {
-    root_ = Json::parse(json);
+    root_ = Json::parse(json, [&](int depth, Json::parse_event_t, const Json&) {
+      if (depth > kDeepest) file_.fail("its JSON is nested too deep");
+      return true;
+    });
   } catch (const Json::exception& error) {
     file_.fail("no valid JSON: " + inPlainWords(error.what()));
   }

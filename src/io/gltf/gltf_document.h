@@ -83,6 +83,14 @@ class GltfDocument {
   mutable uint64_t decodedBytes_ = 0;
 };
 
+/// Returns an extension of an object, or null.
+const GltfDocument::Json* extensionOf(const GltfDocument::Json& object, const char* name);
+
+/// Reads all materials of a file. Fails if the file lacks one of their images. Adds to `lost` what is left
+/// out. An image in another file that cannot be read stays a name, with a warning.
+std::shared_ptr<const GltfMaterials> readMaterials(const MeshFile& file, const GltfDocument& document,
+                                                   std::vector<std::string>& lost);
+
 /// Returns each three numbers as a vector.
 std::vector<glm::dvec3> vectors(std::span<const double> numbers);
 

@@ -15,10 +15,7 @@ namespace {
 using Json = GltfDocument::Json;
 
 const Json* compressedPart(const Json& primitive) {
-  const auto extensions = primitive.find("extensions");
-  if (extensions == primitive.end() || !extensions->is_object()) return nullptr;
-  const auto found = extensions->find("KHR_draco_mesh_compression");
-  return found != extensions->end() && found->is_object() ? &*found : nullptr;
+  return extensionOf(primitive, "KHR_draco_mesh_compression");
 }
 
 bool hasView(const GltfDocument& document, const Json& object, const char* accessor) {
@@ -35,7 +32,8 @@ std::map<std::string, uint32_t> numbersOfAttributes(const MeshFile& file, const 
     file.fail("the KHR_draco_mesh_compression of a primitive has no attribute POSITION");
   std::map<std::string, uint32_t> numbers;
   for (const auto& [name, value] : attributes->items())
-    if ((name == "POSITION" || name.starts_with("JOINTS_") || name.starts_with("WEIGHTS_")) &&
+    if ((name == "POSITION" || name.starts_with("JOINTS_") || name.starts_with("WEIGHTS_") ||
+         (file.attributes && (name == "TEXCOORD_0" || name == "COLOR_0"))) &&
         primitive["attributes"].contains(name))
       numbers[name] = static_cast<uint32_t>(document.number(*attributes, name.c_str()));
   return numbers;

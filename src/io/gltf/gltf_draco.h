@@ -16,7 +16,7 @@ struct DracoSurface {
   };
   uint64_t vertices = 0;
   std::vector<glm::uvec3> triangles;
-  std::map<std::string, Attribute> attributes;  ///< Those that move or place vertices.
+  std::map<std::string, Attribute> attributes;  ///< Those that are read.
 };
 
 /// Returns whether a primitive has its data in compressed form alone. If they are in the file twice, the

@@ -27,14 +27,6 @@ bool hasTriangles(const GltfDocument& document, const GltfScene::Json& primitive
   return mode == kTriangles || mode == kStrip || mode == kFan;
 }
 
-/// Returns an extension of a node, or null.
-const GltfScene::Json* extensionOf(const GltfScene::Json& node, const char* name) {
-  const auto all = node.find("extensions");
-  if (all == node.end() || !all->is_object()) return nullptr;
-  const auto found = all->find(name);
-  return found != all->end() && found->is_object() ? &*found : nullptr;
-}
-
 bool isHidden(const GltfScene::Json& node) {
   const GltfScene::Json* visibility = extensionOf(node, "KHR_node_visibility");
   return visibility && visibility->contains("visible") && (*visibility)["visible"] == false;
@@ -173,17 +165,23 @@ const GltfScene::Surfaces& GltfScene::surfaces(const Node& node) const {
 }
 
 std::vector<double> GltfScene::attribute(const Json& surface, const std::string& name, const char* type,
-                                         uint64_t components) const {
+                                         uint64_t components, std::optional<size_t> vertices) const {
   const uint64_t accessor = document_.number(surface["attributes"], name.c_str());
   const auto compressed = draco_.find(&surface);
-  if (compressed == draco_.end() || !compressed->second.attributes.contains(name))
-    return document_.reals(accessor, type, components);
-  const DracoSurface::Attribute& attribute = compressed->second.attributes.at(name);
-  if (attribute.components != components)
-    file_.fail("its Draco data have " + std::to_string(attribute.components) + " numbers for each " + name +
-               "; glTF wants " + std::to_string(components));
-  std::vector<double> numbers = attribute.numbers;
-  for (double& number : numbers) number = document_.real(accessor, number);
+  std::vector<double> numbers;
+  if (compressed == draco_.end() || !compressed->second.attributes.contains(name)) {
+    numbers = document_.reals(accessor, type, components);
+  } else {
+    const DracoSurface::Attribute& attribute = compressed->second.attributes.at(name);
+    if (attribute.components != components)
+      file_.fail("its Draco data have " + std::to_string(attribute.components) + " numbers for each " + name +
+                 "; glTF wants " + std::to_string(components));
+    for (const double number : attribute.numbers) numbers.push_back(document_.real(accessor, number));
+  }
+  if (vertices && numbers.size() != components * *vertices)
+    file_.fail("accessors[" + std::to_string(accessor) + "]: " + name + " of " +
+               counted(numbers.size() / components, "vertex") + ", POSITION has " +
+               std::to_string(*vertices));
   return numbers;
 }
 

@@ -59,9 +59,9 @@ class GltfScene {
   /// Returns whether the positions of a surface are floats, not whole numbers.
   bool hasRealPositions(const Json& surface) const;
   /// Returns all numbers of an attribute of a surface. Its elements have the type `type` ("VEC4") with
-  /// `components` numbers.
+  /// `components` numbers. Fails unless there are `vertices` of them.
   std::vector<double> attribute(const Json& surface, const std::string& name, const char* type,
-                                uint64_t components) const;
+                                uint64_t components, std::optional<size_t> vertices = {}) const;
   /// Returns a surface's triangles, as indices of its own `vertexCount` vertices.
   std::vector<glm::uvec3> triangles(const Json& surface, size_t vertexCount) const;
 

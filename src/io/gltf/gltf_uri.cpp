@@ -18,12 +18,6 @@ constexpr std::array<int8_t, 256> base64Values() {
   return values;
 }
 
-}  // namespace
-
-bool isDataUri(std::string_view uri) {
-  return uri.starts_with("data:");
-}
-
 Buffer<std::byte> decodeDataUri(const MeshFile& file, std::string_view uri) {
   static constexpr std::array<int8_t, 256> kValues = base64Values();
   constexpr std::string_view kMark = ";base64,";
@@ -48,7 +42,10 @@ Buffer<std::byte> decodeDataUri(const MeshFile& file, std::string_view uri) {
   return bytes;
 }
 
+}  // namespace
+
 Buffer<std::byte> loadUri(const MeshFile& file, std::string_view uri) {
+  if (uri.starts_with("data:")) return decodeDataUri(file, uri);
   const std::string name = unescapedUri(uri);
   if (uri.find(':') != uri.npos || name.empty() || name.find('\0') != name.npos)
     file.fail("it refers to " + excerpt(uri, kLongestName) + "; only files in its own folder are read");

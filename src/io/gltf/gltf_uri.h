@@ -6,11 +6,8 @@
 
 namespace raymap {
 
-bool isDataUri(std::string_view uri);
-/// Returns the bytes of `data:...;base64,...`.
-Buffer<std::byte> decodeDataUri(const MeshFile& file, std::string_view uri);
-/// Opens the file that a relative URI names. Those outside the folder of `file`, and other URIs, fail:
-/// nothing is fetched from elsewhere.
+/// Returns the bytes of `data:...;base64,...`, or those of the file that a relative URI names. Files outside
+/// the folder of `file`, and other URIs, fail: nothing is fetched from elsewhere.
 Buffer<std::byte> loadUri(const MeshFile& file, std::string_view uri);
 
 }  // namespace raymap

@@ -286,11 +286,7 @@ class AnimatedReader {
   std::vector<double> readSet(const Json& surface, const std::string& name, size_t vertexCount) {
     const uint64_t accessor = document_.number(surface["attributes"], name.c_str());
     countBytes(document_.accessorCount(accessor) * sizeof(glm::dvec4));
-    std::vector<double> numbers = scene_.attribute(surface, name, "VEC4", 4);
-    if (numbers.size() != 4 * vertexCount)
-      file_.fail("accessors[" + std::to_string(accessor) + "]: " + name + " of " +
-                 counted(numbers.size() / 4, "vertex") + ", POSITION has " + std::to_string(vertexCount));
-    return numbers;
+    return scene_.attribute(surface, name, "VEC4", 4, vertexCount);
   }
 
   void checkJointType(uint64_t accessor) const {

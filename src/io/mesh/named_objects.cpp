@@ -61,7 +61,9 @@ std::vector<NamedObject> namedObjects(const WritableMesh& mesh) {
   }
   for (size_t f = 0; f < parts.size(); ++f) {
     const glm::uvec3& t = mesh.triangles[f];
-    objects[numberOf(parts[f])].part.triangles.emplace_back(vertexOf[t.x], vertexOf[t.y], vertexOf[t.z]);
+    NamedObject& object = objects[numberOf(parts[f])];
+    object.part.triangles.emplace_back(vertexOf[t.x], vertexOf[t.y], vertexOf[t.z]);
+    object.faces.push_back(uint32_t(f));
   }
   for (NamedObject& object : objects) {
     object.part.origin = mesh.origin;

@@ -10,6 +10,7 @@ namespace raymap {
 /// A part of a mesh with a name.
 struct NamedObject {
   std::string name = {};
+  std::vector<uint32_t> faces = {};     ///< Numbers of its triangles in the whole mesh; empty: all.
   const WritableMesh* whole = nullptr;  ///< Whole mesh, if that is the part.
   Mesh part = {};                       ///< Triangles of another part, and the vertices that they use.
   WritableMesh own = {};                ///< Those to write; refers to `part`.
