@@ -18,7 +18,7 @@ struct CleanedFaces {
   size_t count = 0;  ///< Number of faces that were removed or replaced with a neighbour.
 };
 
-/// What `cleanFaces` cleans away.
+/// How much `cleanFaces` removes.
 enum class Cleaning : uint8_t {
   Repeated,    ///< Repeated faces, and those with a repeated corner.
   Degenerate,  ///< All degenerate faces, too.
