@@ -351,6 +351,25 @@ TEST_F(MeshAttributesTest, OfAGltfHaveTheirImagesEmbedded) {
 TEST_F(MeshAttributesTest, OfOtherFilesAreNamedAsLost) {
   loadText("in.off", "STCOFF\n3 1 0\n0 0 0 1 1 1 1 0 0\n1 0 0 1 1 1 1 0 0\n0 1 0 1 1 1 1 0 0\n3 0 1 2\n");
   EXPECT_EQ(found_.lost, (std::vector<std::string>{"colours", "texture coordinates"}));
+  const std::string off = "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2", stl = samples::binaryStl();
+  const auto lostOf = [&](const std::string& name, const std::string& text) {
+    loadText(name, text);
+    return found_.lost.empty() ? std::string() : found_.lost.at(0);
+  };
+  EXPECT_EQ(lostOf("in.off", off + "\n"), "");
+  EXPECT_EQ(lostOf("in.off", off + " 255 0 0\n"), "colours of faces");
+  EXPECT_EQ(lostOf("in.off", off + " # red\n"), "");
+  const std::string binary = samples::binaryOff();
+  EXPECT_EQ(lostOf("in.off", binary), "");
+  EXPECT_EQ(lostOf("in.off", binary.substr(0, binary.size() - 4) + samples::raw<int32_t>({1, 7}, true)),
+            "colours of faces");
+  EXPECT_EQ(lostOf("in.stl", stl), "");
+  EXPECT_EQ(lostOf("in.stl", std::string(stl).replace(132, 2, samples::raw<uint16_t>(0x801f))),
+            "attributes of facets, such as colours");
+  const std::string facet =
+      "solid\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\n";
+  EXPECT_EQ(lostOf("in.stl", facet + "endsolid\n"), "");
+  EXPECT_EQ(lostOf("in.stl", facet + "color 1 0 0\nendsolid\n"), "colours");
 }
 
 TEST_F(MeshAttributesTest, ThatDoNotFitTheMeshAreRefused) {

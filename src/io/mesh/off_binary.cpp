@@ -38,7 +38,7 @@ class BinaryOffReader {
     mesh_.positions.push_back(p);
   }
 
-  /// Reads the corners of a face and skips its colour.
+  /// Reads the corners of a face, and skips its colour.
   void readFace(uint64_t face) {
     const uint64_t count = integer();
     checkCount(count, 1);
@@ -50,7 +50,9 @@ class BinaryOffReader {
                    outOfRange(corners_.back(), mesh_.positions.size()));
     }
     mesh_.polygons.add(corners_);
-    skip(integer());
+    const uint32_t colours = integer();
+    mesh_.hasFaceColours = mesh_.hasFaceColours || colours > 0;
+    skip(colours);
   }
 
   /// Throws if fewer numbers follow than `count` things need.

@@ -21,6 +21,7 @@ struct OffHeader {
 struct OffMesh {
   std::vector<glm::dvec3> positions;
   Polygons polygons;
+  bool hasFaceColours = false;
 };
 
 /// Reads what follows the header of a binary file: numbers of 32 bits, the highest byte first.

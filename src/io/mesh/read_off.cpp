@@ -111,6 +111,7 @@ class OffTextReader {
     corners_.clear();
     for (int64_t c = 0; c < count; ++c) corners_.push_back(readCorner(text_, face, vertices));
     mesh_.polygons.add(corners_);
+    if (faceRows_ == OffRows::Lines && text_.moreOnLine()) mesh_.hasFaceColours = true;
     endRow(faceRows_, 0);
   }
 
@@ -180,6 +181,7 @@ Mesh readOff(const MeshFile& file) {
   if (file.attributes && header.hasColour) file.attributes->lost.emplace_back("colours");
   if (file.attributes && header.hasTexture) file.attributes->lost.emplace_back("texture coordinates");
   OffMesh mesh = header.isBinary ? readBinaryOff(file, header) : readText(file, header);
+  if (file.attributes && mesh.hasFaceColours) file.attributes->lost.emplace_back("colours of faces");
   return finishPolygons(file, std::move(mesh.positions), std::move(mesh.polygons));
 }
 

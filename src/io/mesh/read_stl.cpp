@@ -2,6 +2,7 @@
 // `solid`.
 
 #include <algorithm>
+#include <optional>
 
 #include "io/mesh/stl_facets.h"
 #include "io/mesh/stl_words.h"
@@ -37,11 +38,17 @@ Mesh readBinary(const MeshFile& file, const StlFacets& facets) {
   std::vector<glm::uvec3> triangles;
   positions.reserve(facets.count() * 3);
   triangles.reserve(facets.count());
+  std::optional<uint16_t> attribute;  // Most programs write 0, or another number for all.
+  bool areEqual = true;
   facets.forEach([&](const StlFacet& facet) {
     const auto first = static_cast<uint32_t>(positions.size());
     positions.insert(positions.end(), facet.corners.begin(), facet.corners.end());
     triangles.emplace_back(first, first + 1, first + 2);
+    areEqual = areEqual && facet.attribute == attribute.value_or(facet.attribute);
+    attribute = facet.attribute;
   });
+  if (file.attributes && !areEqual)
+    file.attributes->lost.emplace_back("attributes of facets, such as colours");
   return finishMesh(file, std::move(positions), std::move(triangles));
 }
 
@@ -52,6 +59,7 @@ class StlTextReader {
   Mesh read() {
     while (text_.more()) readStatement();
     if (!corners_.empty()) text_.fail("the file ends within a facet");
+    if (file_.attributes && hasColours_) file_.attributes->lost.emplace_back("colours");
     if (open_) file_.warnThat("the file ends without endsolid: it may have been cut short");
     return finishPolygons(file_, std::move(positions_), std::move(polygons_));
   }
@@ -82,6 +90,7 @@ class StlTextReader {
         corners_.clear();
         return skipRemark();
       case StlWord::Color:
+        hasColours_ = true;
         return skipRemark();
       case StlWord::Other:
         break;
@@ -122,7 +131,7 @@ class StlTextReader {
   std::vector<glm::dvec3> positions_;
   Polygons polygons_;
   std::vector<uint32_t> corners_;
-  bool open_ = false;
+  bool open_ = false, hasColours_ = false;
   bool mayName_ = false;  // Whether a line may be a solid's name.
 };
 
