@@ -40,7 +40,7 @@ std::vector<uint32_t> findDuplicates(const Model& mesh) {
 
 }  // namespace
 
-std::vector<uint32_t> findFlippedFaces(const Patches& patches) {
+std::vector<uint32_t> findFlippedFaces(const Patches& patches, bool takesHalf) {
   std::vector<size_t> faces(patches.count), reversed(patches.count);
   for (size_t f = 0; f < patches.ids.size(); ++f) {
     ++faces[patches.ids[f]];
@@ -49,6 +49,7 @@ std::vector<uint32_t> findFlippedFaces(const Patches& patches) {
   std::vector<uint32_t> flipped;
   for (uint32_t f = 0; f < patches.ids.size(); ++f) {
     const uint32_t patch = patches.ids[f];
+    if (!takesHalf && 2 * reversed[patch] == faces[patch]) continue;
     const bool isMinority =
         2 * reversed[patch] > faces[patch] ? !patches.isReversed[f] : patches.isReversed[f];
     if (isMinority) flipped.push_back(f);

@@ -25,7 +25,7 @@ struct Defects {
 Defects findDefects(const Model& mesh, const ProgressCallback& progress = {});
 
 /// Returns the fewest faces to reverse so that neighbours across edges with two faces agree. It does not
-/// matter which side is outside.
-std::vector<uint32_t> findFlippedFaces(const Patches& patches);
+/// matter which side is outside. Without `takesHalf`, none of patches where that is half of the faces.
+std::vector<uint32_t> findFlippedFaces(const Patches& patches, bool takesHalf = true);
 
 }  // namespace raymap

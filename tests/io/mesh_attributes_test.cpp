@@ -241,7 +241,7 @@ void expectTextured(const Mesh& mesh, const MeshAttributes& found) {
 }
 
 TEST_F(MeshAttributesTest, OfAGlbAreKeptAndWrittenAgain) {
-  std::string buffer, first;
+  std::string buffer;
   const std::string json = samples::texturedJson(buffer);
   const Mesh mesh = loadText("in.glb", samples::glb(json, buffer));
   EXPECT_EQ(said_, "");

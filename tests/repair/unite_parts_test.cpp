@@ -233,6 +233,19 @@ TEST(UniteParts, TurnsFacesBackBeforeItClosesHoles) {
   EXPECT_EQ(uniteParts(Model(open), InsideOut::Kept, true).failure, FieldReason::Open);
 }
 
+TEST(UniteParts, TurnsFacesBackBesideASheetWhoseHalvesContradictEachOther) {
+  Mesh turned = join({shapes::box({0, 0, 0}, {2, 2, 2}), shapes::box({1, 1, 1}, {3, 3, 3})});
+  std::swap(turned.triangles[3].y, turned.triangles[3].z);
+  const Mesh fold = makeMesh(std::vector<glm::dvec3>{{5, 0, 0}, {6, 0, 0}, {6, 1, 0}, {5, 1, 0}},
+                             std::vector<glm::uvec3>{{0, 1, 2}, {0, 3, 2}});
+  ASSERT_EQ(diagnose(fold).flippedEdges, 1u);
+  const UnitedParts united = uniteParts(Model(join({turned, fold})), InsideOut::Turned, true, 0.1);
+  ASSERT_EQ(united.failure, FieldReason::None);
+  EXPECT_TRUE(isAllRight(Model(united.mesh)));
+  EXPECT_EQ(united.turned, std::vector<uint32_t>{3});
+  EXPECT_NEAR(diagnose(united.mesh).signedVolume, 15.0 + 0.1, 1e-5);
+}
+
 TEST(UniteParts, KeepsFacesBesideFewThatContradictEachOther) {
   // Half of the faces of a tetrahedron contradict the other half. Nobody can tell which are right.
   const auto withTetrahedron = [](float size) {
@@ -349,7 +362,7 @@ TEST(UniteParts, UnitesPlatesWithTheSolidsThatTheyMeet) {
   EXPECT_NEAR(diagnose(united.mesh).signedVolume, 8.0 + 0.25, 1e-6);
 }
 
-TEST(UniteParts, MakesAPlateOfAMoebiusStrip) {
+Mesh moebiusStrip() {
   constexpr int kSteps = 48;
   std::vector<glm::dvec3> corners;
   std::vector<glm::uvec4> faces;
@@ -362,7 +375,25 @@ TEST(UniteParts, MakesAPlateOfAMoebiusStrip) {
     const uint32_t a = 2 * i, b = i + 1 < kSteps ? a + 2 : 1, c = i + 1 < kSteps ? a + 3 : 0;
     faces.emplace_back(a, b, c, a + 1);
   }
-  const Mesh strip = quads(corners, faces), mesh = join({shapes::sphere(2.5, 4), strip});
+  return quads(corners, faces);
+}
+
+TEST(UniteParts, TurnsNoFacesThatContradictAsManyThen) {
+  // The faces between its seam and the last vertex contradict the others, but turned, they do at both ends.
+  Mesh strip = moebiusStrip();
+  for (glm::vec3& v : strip.vertices) v = {-v.y, v.x, v.z};
+  const std::vector<glm::uvec3> given = strip.triangles;
+  ASSERT_EQ(diagnose(strip).flippedEdges, 1u);
+  EXPECT_TRUE(turnBack(strip, true).empty());
+  EXPECT_EQ(strip.triangles, given);
+  for (const uint32_t face : {10u, 11u, 50u}) std::swap(strip.triangles[face].y, strip.triangles[face].z);
+  ASSERT_GT(diagnose(strip).flippedEdges, 3u);
+  EXPECT_FALSE(turnBack(strip, true).empty());
+  EXPECT_EQ(diagnose(strip).flippedEdges, 1u);
+}
+
+TEST(UniteParts, MakesAPlateOfAMoebiusStrip) {
+  const Mesh strip = moebiusStrip(), mesh = join({shapes::sphere(2.5, 4), strip});
   const UnitedParts united = uniteParts(Model(mesh), InsideOut::Turned, true, 0.1);
   ASSERT_EQ(united.failure, FieldReason::None);
   EXPECT_TRUE(isAllRight(Model(united.mesh)));

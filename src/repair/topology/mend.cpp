@@ -25,18 +25,6 @@ bool isClosed(const Diagnostics& found) {
   return found.watertight && found.consistentlyOriented;
 }
 
-/// Returns whether there is a part half of whose faces contradict the other half.
-bool isAnyUndecided(const Patches& patches) {
-  std::vector<size_t> faces(patches.count), reversed(patches.count);
-  for (size_t f = 0; f < patches.ids.size(); ++f) {
-    ++faces[patches.ids[f]];
-    reversed[patches.ids[f]] += patches.isReversed[f];
-  }
-  for (size_t p = 0; p < patches.count; ++p)
-    if (2 * reversed[p] == faces[p]) return true;
-  return false;
-}
-
 /// Turns outermost pieces that are inside out and of which some faces were turned. Updates `turned`, which
 /// has faces below `given` only.
 void turnOut(Mesh& mesh, size_t given, std::vector<uint32_t>& turned) {
@@ -98,12 +86,12 @@ std::optional<Mended> fillAll(const Mended& open, size_t given) {
 
 }  // namespace
 
-std::vector<uint32_t> turnBack(Mesh& mesh) {
-  const Patches patches = findPatches(Model(mesh));
-  if (isAnyUndecided(patches)) return {};
-  std::vector<uint32_t> turned = findFlippedFaces(patches);
+std::vector<uint32_t> turnBack(Mesh& mesh, bool mayLeaveSome) {
+  std::vector<uint32_t> turned = findFlippedFaces(findPatches(Model(mesh)), false);
+  const size_t before = diagnose(mesh, {.brief = true}).flippedEdges;
   turnFaces(mesh, turned);
-  if (diagnose(mesh, {.brief = true}).consistentlyOriented) return turned;
+  const size_t after = diagnose(mesh, {.brief = true}).flippedEdges;
+  if (after == 0 || (mayLeaveSome && after < before)) return turned;
   turnFaces(mesh, turned);
   return {};
 }

@@ -20,8 +20,8 @@ bool looksRight(const Diagnostics& found, bool mayBeDegenerate = false);
 bool crossesNowhere(const SelfIntersections& crossing);
 
 /// Turns the faces that contradict most faces of their part, and returns them, ascending. Leaves the mesh as
-/// it is if that is not certain.
-std::vector<uint32_t> turnBack(Mesh& mesh);
+/// it is if faces contradict each other then, or with `mayLeaveSome`, if that is at no fewer edges.
+std::vector<uint32_t> turnBack(Mesh& mesh, bool mayLeaveSome = false);
 
 /// Returns whether nothing at all is wrong with a mesh. `crossing` receives the faces that cross.
 bool isAllRight(const Model& mesh, SelfIntersections* crossing = nullptr, bool mayBeDegenerate = false);

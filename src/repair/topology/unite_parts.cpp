@@ -84,7 +84,7 @@ UnitedParts uniteParts(const Model& given, InsideOut insideOut, bool closesHoles
     faces = std::move(cleaned.given);
     united.cleanedFaces = cleaned.count;
     if (insideOut == InsideOut::Turned && !diagnose(united.mesh, {.brief = true}).consistentlyOriented)
-      back = facesOf(turnBack(united.mesh), faces);
+      back = facesOf(turnBack(united.mesh, true), faces);
     if (closesHoles) sew(united);
     const Diagnostics found = diagnose(united.mesh);
     Plates plates;
