@@ -72,7 +72,7 @@ void keepCleaned(const Model& mesh, RepairRun& run) {
   const CleanedFaces cleaned = cleanFaces(mesh);
   if (cleaned.count == 0) return;
   const Model clean(cleaned.mesh);
-  const Diagnostics found = diagnose(clean, {.brief = true});
+  const Diagnostics found = diagnose(clean);
   if (found.nonManifoldEdges + found.degenerateFaces + found.duplicateFaces > 0) return;
   const SelfIntersections crossing = findSelfIntersections(clean);
   if (!crossesNowhere(crossing)) return;

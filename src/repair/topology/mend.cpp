@@ -62,7 +62,6 @@ FilledHoles addBase(Mesh& mesh, bool crossesNowhere, const RepairOptions& repair
 /// lie on each other.
 bool isAnyDoubled(const Mesh& closed, const std::vector<uint32_t>& faces) {
   constexpr double kNoVolume = 1e-3;  // Share of the area to the power of 3/2. A half ball has 0.07.
-  if (faces.empty()) return false;
   const Model mesh(closed);
   const Pieces found = findPieces(mesh);
   std::vector<double> areas(found.pieces.size());
@@ -74,13 +73,13 @@ bool isAnyDoubled(const Mesh& closed, const std::vector<uint32_t>& faces) {
 }
 
 /// Fills all holes of a mesh with no other faults. Returns nothing if that does not make it right.
-std::optional<Mended> fillAll(const Mended& open, size_t given) {
+std::optional<Mended> fillAll(const Mended& open, size_t given, bool hasSheets) {
   Mended mended = open;
   mended.filled = fillHoles(mended.mesh);
   if (mended.filled.holes == 0) return {};
   turnOut(mended.mesh, given, mended.turned);
-  mended.isRight =
-      isAllRight(Model(mended.mesh)) && !isAnyDoubled(mended.mesh, facesOfSheets(Model(open.mesh)));
+  mended.isRight = isAllRight(Model(mended.mesh)) &&
+                   !(hasSheets && isAnyDoubled(mended.mesh, facesOfSheets(Model(open.mesh))));
   return mended.isRight ? std::optional(std::move(mended)) : std::nullopt;
 }
 
@@ -88,6 +87,7 @@ std::optional<Mended> fillAll(const Mended& open, size_t given) {
 
 std::vector<uint32_t> turnBack(Mesh& mesh, bool mayLeaveSome) {
   std::vector<uint32_t> turned = findFlippedFaces(findPatches(Model(mesh)), false);
+  if (turned.empty()) return {};
   const size_t before = diagnose(mesh, {.brief = true}).flippedEdges;
   turnFaces(mesh, turned);
   const size_t after = diagnose(mesh, {.brief = true}).flippedEdges;
@@ -128,7 +128,7 @@ Mended mend(const Model& mesh, const Diagnostics& found, const SelfIntersections
     const bool canBeRight = found.nonManifoldEdges + found.degenerateFaces + found.duplicateFaces == 0 &&
                             (found.consistentlyOriented || !mended.turned.empty());
     if (mayKeep && isUncrossed && canBeRight)
-      if (std::optional<Mended> filled = fillAll(mended, given)) return std::move(*filled);
+      if (std::optional<Mended> filled = fillAll(mended, given, found.sheets > 0)) return std::move(*filled);
     mended.filled = fillFlatHoles(mended.mesh);
   }
   if (!mended.turned.empty()) {

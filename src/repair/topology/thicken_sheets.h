@@ -1,18 +1,11 @@
 #pragma once
 
-#include <raymap/diagnostics.h>
 #include <raymap/mesh.h>
 
 #include <cstdint>
 #include <vector>
 
 namespace raymap {
-
-/// Returns whether a mesh has sheets beside solids. If most of the area is in sheets, they may bound a solid
-/// together.
-inline bool hasLooseSheets(const Diagnostics& found) {
-  return found.sheets > 0 && found.sheetShare <= 0.5;
-}
 
 /// Plates around the sheets of a mesh, and what they replace.
 struct Plates {

@@ -20,6 +20,8 @@ namespace raymap {
 
 namespace {
 
+constexpr double kMostSheets = 0.5;  // Share of the area. With more, they may bound a solid together.
+
 /// Returns the area of the last faces of a mesh.
 double areaOfLast(const Mesh& mesh, size_t count) {
   double area = 0.0;
@@ -51,13 +53,10 @@ void sew(UnitedParts& united) {
   united.sewnVertices = count;
 }
 
-/// Closes all holes of a mesh of an area. Returns whether that is possible. Between faces that contradict
-/// each other is no hole: patches there cut grooves.
-bool closeHolesOf(UnitedParts& united, double area, bool mayTurn) {
+/// Closes all holes of a part of a mesh that has an area. Returns whether that is possible. Between faces
+/// that contradict each other is no hole: patches there cut grooves.
+bool closeHolesOf(UnitedParts& united, double area, const Diagnostics& found) {
   constexpr double kLittle = 1e-3;  // Share of the area.
-  const Diagnostics found = diagnose(united.mesh, {.brief = true});
-  if (found.balanced) return true;
-  if (!mayTurn && !found.consistentlyOriented) return false;
   united.filled = fillHoles(united.mesh);
   return united.filled.holes > 0 &&
          (found.consistentlyOriented || areaOfLast(united.mesh, united.filled.faces) <= kLittle * area);
@@ -83,23 +82,25 @@ UnitedParts uniteParts(const Model& given, InsideOut insideOut, bool closesHoles
     united.mesh = std::move(cleaned.mesh);
     faces = std::move(cleaned.given);
     united.cleanedFaces = cleaned.count;
-    if (insideOut == InsideOut::Turned && !diagnose(united.mesh, {.brief = true}).consistentlyOriented)
-      back = facesOf(turnBack(united.mesh, true), faces);
+    if (insideOut == InsideOut::Turned) back = facesOf(turnBack(united.mesh, true), faces);
     if (closesHoles) sew(united);
-    const Diagnostics found = diagnose(united.mesh);
+    Diagnostics found = diagnose(united.mesh);
+    const double area = found.area;
     Plates plates;
     if (found.sheets > 0) {
-      if (sheetThickness == 0.0 || !hasLooseSheets(found)) return {.failure = FieldReason::Sheet};
+      if (sheetThickness == 0.0 || found.sheetShare > kMostSheets) return {.failure = FieldReason::Sheet};
       plates = thickenSheets(united.mesh, sheetThickness);
       for (uint32_t& face : plates.sources) face = faces[face];
       united.thickenedShare = found.sheetShare;
       takeOut(plates.sheets, united.mesh, faces);
+      found = diagnose(united.mesh, {.brief = true});
     }
-    if (closesHoles && !closeHolesOf(united, found.area, insideOut == InsideOut::Turned))
-      return {.failure = FieldReason::Open};
+    if (!found.balanced) {
+      const bool mayClose = closesHoles && (insideOut == InsideOut::Turned || found.consistentlyOriented);
+      if (!mayClose || !closeHolesOf(united, area, found)) return {.failure = FieldReason::Open};
+    }
     faces.resize(united.mesh.triangles.size(), kNoTriangle);
     append(plates, united.mesh, faces);
-    if (!diagnose(united.mesh, {.brief = true}).balanced) return {.failure = FieldReason::Open};
   }
   if (insideOut == InsideOut::Turned) united.inverted = findInvertedParts(united.mesh);
   turnFaces(united.mesh, united.inverted.faces);
