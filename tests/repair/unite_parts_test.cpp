@@ -293,6 +293,7 @@ void expectPlates(const Mesh& sheets, double area, double volume) {
   const Diagnostics alone = diagnose(ball), all = diagnose(mesh), found = diagnose(united.mesh);
   EXPECT_NEAR(all.area, alone.area + area, 1e-4);
   EXPECT_NEAR(united.thickenedShare, area / all.area, 1e-6);
+  EXPECT_TRUE(united.turned.empty());  // A plate has both sides.
   EXPECT_NEAR(found.signedVolume, alone.signedVolume + volume * kThickness, 1e-4);
   std::vector<uint8_t> isThere(mesh.triangles.size());
   for (size_t f = 0; f < united.sources.size(); ++f) {
@@ -321,6 +322,9 @@ TEST(UniteParts, MakesPlatesOfSheets) {
   angle.insert(angle.end(), {{3, 0, 1}, {3, 2, 1}});
   expectPlates(quads(angle, {{0, 1, 2, 3}, {0, 3, 5, 4}}), 6.0, 6.0);
   expectPlates(quads(angle, {{0, 1, 2, 3}, {0, 4, 5, 3}}), 6.0, 6.0);
+  Mesh odd = quads(angle, {{0, 1, 2, 3}, {0, 3, 5, 4}});
+  std::swap(odd.triangles[0].y, odd.triangles[0].z);
+  expectPlates(odd, 6.0, 6.0);
   // Three faces at an edge: each has a plate of its own, which ends there, and they overlap.
   std::vector<glm::dvec3> three = angle;
   three.insert(three.end(), {{1.75, 0, 0}, {1.75, 2, 0}});

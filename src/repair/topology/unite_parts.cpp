@@ -92,6 +92,8 @@ UnitedParts uniteParts(const Model& given, InsideOut insideOut, bool closesHoles
       plates = thickenSheets(united.mesh, sheetThickness);
       for (uint32_t& face : plates.sources) face = faces[face];
       united.thickenedShare = found.sheetShare;
+      const std::vector<uint32_t> gone = facesOf(plates.sheets, faces);
+      std::erase_if(back, [&](uint32_t face) { return std::ranges::binary_search(gone, face); });
       takeOut(plates.sheets, united.mesh, faces);
       found = diagnose(united.mesh, {.brief = true});
     }
