@@ -86,7 +86,7 @@ void printMended(const RepairReport& report, const std::optional<double>& base) 
   if (report.keepsFaces() && report.after.degenerateFaces > 0)
     add("kept " + counted(report.after.degenerateFaces, "degenerate face") + ", as others cross without");
   if (report.keepsFaces() && report.thickenedShare > 0.0) {
-    std::snprintf(text.data(), text.size(), "made plates %.3g thick of sheets (%.2g %% of the area)",
+    std::snprintf(text.data(), text.size(), "made plates %.3g thick of sheets (%.3g %% of the area)",
                   report.leastThickness, 100.0 * report.thickenedShare);
     add(text.data());
   }

@@ -89,16 +89,22 @@ void measureComponents(const Model& mesh, Components& components, std::span<cons
   found.sheetShare = found.area > 0.0 ? sheetArea / found.area : 0.0;
 }
 
-std::vector<uint32_t> facesOfSheets(const Model& mesh, Components& components,
-                                    std::span<const TracedHole> holes) {
+SheetFaces findSheets(const Model& mesh, Components& components, std::span<const TracedHole> holes) {
   std::vector<Measure> measures(components.count());
   addFaces(mesh, {}, components, measures);
   addHoles(components, holes, measures);
-  std::vector<uint32_t> faces;
+  SheetFaces sheets;
   forEachFaceOf(mesh, {}, components, [&](size_t face, const FaceMeasure&, uint32_t component) {
-    if (measures[component].isSheet()) faces.push_back(uint32_t(face));
+    if (measures[component].isSheet()) sheets.faces.push_back(uint32_t(face));
   });
-  return faces;
+  Measure largest;
+  double area = 0.0;
+  for (const Measure& m : measures) {
+    area += m.area;
+    if (m.isSheet() && m.area > largest.area) largest = m;
+  }
+  sheets.mayBoundSolid = !sheets.faces.empty() && area - largest.area >= largest.holeArea;
+  return sheets;
 }
 
 }  // namespace raymap

@@ -31,8 +31,12 @@ class Components {
 void measureComponents(const Model& mesh, Components& components, std::span<const TracedHole> holes,
                        Diagnostics& found);
 
-/// Returns the faces of the components that are sheets, ascending.
-std::vector<uint32_t> facesOfSheets(const Model& mesh, Components& components,
-                                    std::span<const TracedHole> holes);
+/// Components that are sheets.
+struct SheetFaces {
+  std::vector<uint32_t> faces;  ///< Ascending.
+  bool mayBoundSolid = false;   ///< Whether all else has the area to close the holes of the largest one.
+};
+
+SheetFaces findSheets(const Model& mesh, Components& components, std::span<const TracedHole> holes);
 
 }  // namespace raymap

@@ -59,18 +59,18 @@ class FaceCutter {
 
   std::optional<CutFaces> cut() {
     if (!findPairs() || !addSheets() || !cutSegments()) return {};
-    std::vector<bool> isCut(corners_.size());
-    std::vector<CutPiece> pieces, parts;
+    std::vector<bool> isInSheet(corners_.size());
+    std::vector<CutPiece> pieces;
     for (const Sheet& sheet : sheets_) {
       if (!mustCut(sheet)) continue;
-      for (const uint32_t face : sheet.faces) isCut[face] = true;
-      if (!cutSheet(sheet, parts)) return {};
+      for (const uint32_t face : sheet.faces) isInSheet[face] = true;
+      if (!cutSheet(sheet)) return {};
     }
     for (uint32_t f = 0; f < corners_.size(); ++f)
-      if (!isCut[f] && hasArea(f)) pieces.push_back({corners_[f], f, 1, false});
-    pieces.insert(pieces.end(), parts.begin(), parts.end());
+      if (!isInSheet[f] && hasArea(f)) pieces.push_back({corners_[f], f, 1, false});
+    pieces.insert(pieces.end(), parts_.begin(), parts_.end());
     return CutFaces{std::move(points_), std::move(vertices_), std::move(corners_), std::move(pieces),
-                    std::move(isCut)};
+                    cutFaces_,          repeatedFaces_};
   }
 
  private:
@@ -371,7 +371,7 @@ class FaceCutter {
     return chain;
   }
 
-  bool cutSheet(const Sheet& sheet, std::vector<CutPiece>& pieces) const {
+  bool cutSheet(const Sheet& sheet) {
     const int axis = WholePlane(face(sheet.faces[0])).steepestAxis();
     PlaneTriangles plane(points_, axis);
     PointSet added;
@@ -383,7 +383,7 @@ class FaceCutter {
     for (const std::vector<uint32_t>& chain : chains)
       for (size_t k = 1; k < chain.size(); ++k)
         if (!plane.addEdge(chain[k - 1], chain[k])) return false;
-    return collect(sheet, axis, plane.triangles(), pieces);
+    return collect(sheet, axis, plane.triangles());
   }
 
   /// Triangles of a plane, and where they are by their directed edges.
@@ -433,28 +433,32 @@ class FaceCutter {
   }
 
   /// Appends the triangles that lie in the faces of a sheet.
-  bool collect(const Sheet& sheet, int axis, const std::vector<glm::uvec3>& triangles,
-               std::vector<CutPiece>& pieces) const {
+  bool collect(const Sheet& sheet, int axis, const std::vector<glm::uvec3>& triangles) {
     const TriangleMap map(triangles);
     std::vector<int> layers(triangles.size());
     std::vector<uint32_t> firsts(triangles.size(), kNone), lasts(triangles.size(), kNone);
     for (const uint32_t f : sheet.faces) {
       const int side = WholePlane(face(f)).normal()[axis] > 0 ? 1 : -1;
+      size_t parts = 0, repeated = 0;
       const auto visit = [&](uint32_t t) {
         if (lasts[t] == f) return false;
+        ++parts;
+        repeated += lasts[t] != kNone ? 1 : 0;
         lasts[t] = f;
         layers[t] += side;
         firsts[t] = std::min(firsts[t], f);
         return true;
       };
       if (!fill(map, rimOf(f, side < 0), visit)) return false;
+      cutFaces_ += parts > 1 ? 1 : 0;
+      repeatedFaces_ += parts == 1 ? repeated : 0;
     }
     for (size_t t = 0; t < triangles.size(); ++t) {
-      if (layers[t] == 0) continue;
+      if (firsts[t] == kNone) continue;
       glm::uvec3 corners = triangles[t];
       if (layers[t] < 0) std::swap(corners.y, corners.z);
       const bool isFaceBelow = WholePlane(face(firsts[t])).normal()[axis] < 0;
-      pieces.push_back({corners, firsts[t], std::abs(layers[t]), isFaceBelow != (layers[t] < 0)});
+      parts_.push_back({corners, firsts[t], std::abs(layers[t]), isFaceBelow != (layers[t] < 0)});
     }
     return true;
   }
@@ -466,6 +470,8 @@ class FaceCutter {
   ExactPoints points_;
   std::vector<Segment> segments_;
   std::unordered_map<uint64_t, uint32_t> segmentAt_;
+  std::vector<CutPiece> parts_;
+  size_t cutFaces_ = 0, repeatedFaces_ = 0;
   std::vector<std::pair<uint32_t, uint32_t>> layered_;  // Faces that overlap others, and their group.
   std::vector<std::pair<uint32_t, uint32_t>> cuts_;     // Faces and segments in them.
   std::vector<std::pair<uint32_t, uint32_t>> touches_;  // Faces and points on them.

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <glm/glm.hpp>
 #include <optional>
@@ -14,8 +15,8 @@ namespace raymap {
 struct CutPiece {
   glm::uvec3 corners;  ///< Points, counter-clockwise seen from the side where the faces' sum points.
   uint32_t face;       ///< A face that it is part of.
-  int layers;          ///< Number of faces that point there, less those that point the other way; above 0.
-  bool isTurned;       ///< Whether that face points the other way.
+  int layers;     ///< Number of faces that point there, less those that point the other way; not below 0.
+  bool isTurned;  ///< Whether that face points the other way.
 };
 
 /// Faces of a mesh, cut where they cross, overlap or touch.
@@ -24,12 +25,13 @@ struct CutFaces {
   std::vector<uint32_t> vertices;  ///< First vertex of the mesh at each place.
   std::vector<glm::uvec3> faces;   ///< Points of each face of the mesh.
   std::vector<CutPiece> pieces;    ///< Faces that were not cut, then the parts of others.
-  std::vector<bool> isCut;         ///< For each face.
+  size_t cutFaces = 0;             ///< Number of faces that were cut.
+  size_t repeatedFaces = 0;        ///< Number of faces that were not, and lie on another face.
 };
 
 /// Cuts the faces of a mesh, whose vertices are taken from their lattice, so that pieces share whole edges,
-/// corners or nothing. Faces that cancel each other are left out, and so are faces without area: their
-/// neighbours are cut at their corners instead. Returns nothing if that takes too much work.
+/// corners or nothing. Faces that cancel each other become pieces without layers. Faces without area are left
+/// out: their neighbours are cut at their corners instead. Returns nothing if that takes too much work.
 std::optional<CutFaces> cutFaces(const PackedMesh& mesh);
 
 }  // namespace raymap

@@ -6,7 +6,6 @@
 #include "base/parallel.h"
 #include "base/parallel_sort.h"
 #include "base/progress.h"
-#include "mesh/components.h"
 #include "mesh/defects.h"
 #include "mesh/double_sided.h"
 #include "mesh/face_measures.h"
@@ -170,10 +169,10 @@ Diagnostics diagnoseNow(const Model& mesh, bool isBrief, Progress& progress) {
 
 }  // namespace
 
-std::vector<uint32_t> facesOfSheets(const Model& mesh) {
+SheetFaces findSheets(const Model& mesh) {
   const EdgeCounts edges = countEdges(mesh.halfEdges());
   Components components(mesh);
-  return facesOfSheets(mesh, components, findHoles(mesh, edges.boundary));
+  return findSheets(mesh, components, findHoles(mesh, edges.boundary));
 }
 
 Diagnostics diagnose(const Model& mesh, const DiagnoseOptions& options, const MachineOptions& machine) {

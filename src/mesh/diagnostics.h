@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "mesh/components.h"
 #include "mesh/model.h"
 
 namespace raymap {
@@ -14,7 +15,6 @@ Diagnostics diagnose(const Model& mesh, const DiagnoseOptions& options = {},
                      const MachineOptions& machine = {});
 Arrangement arrangeParts(const Model& mesh, const Diagnostics& found, const SelfIntersections& crossings,
                          const MachineOptions& machine = {});
-/// Returns the faces of the parts that are sheets, ascending.
-std::vector<uint32_t> facesOfSheets(const Model& mesh);
+SheetFaces findSheets(const Model& mesh);
 
 }  // namespace raymap

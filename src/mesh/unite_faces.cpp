@@ -296,16 +296,21 @@ std::optional<UnitedFaces> uniteFaces(const Model& mesh, bool mayTurn) {
   for (size_t p = 0; mayTurn && !isAnyInverted && p < fronts->size(); ++p)
     isAnyInverted = (*fronts)[p] < 0 && parts.pieces[parts.ids[cut->pieces[p].face]].isCavity();
   const auto isInside = [&](int number) { return number > 0 || (isAnyInverted && number < 0); };
-  std::vector<glm::uvec3> kept;
-  std::vector<uint32_t> sources, turned;
+  std::vector<glm::uvec3> kept, open;
+  std::vector<uint32_t> sources, openSources, turned;
   double volume = 0.0, area = 0.0, buried = 0.0;
   for (size_t p = 0; p < fronts->size(); ++p) {
     auto [corners, face, layers, isTurned] = cut->pieces[p];
     const int front = (*fronts)[p];
     const auto at = [&](uint32_t point) { return lattice.placeOf(cut->points.rounded(point)); };
     const double pieceArea = triangleArea(at(corners.x), at(corners.y), at(corners.z));
-    area += pieceArea;
-    if (isInside(front) && isInside(front + layers)) buried += pieceArea;
+    if (layers > 0) area += pieceArea;
+    if (layers > 0 && isInside(front) && isInside(front + layers)) buried += pieceArea;
+    if (layers == 0 && !isInside(front)) {
+      if (isTurned) std::swap(corners.y, corners.z);
+      open.push_back(corners);
+      openSources.push_back(face);
+    }
     if (isInside(front) == isInside(front + layers)) continue;
     if (isInside(front)) {
       std::swap(corners.y, corners.z);
@@ -318,11 +323,14 @@ std::optional<UnitedFaces> uniteFaces(const Model& mesh, bool mayTurn) {
   std::ranges::sort(turned);
   turned.erase(std::unique(turned.begin(), turned.end()), turned.end());
   return UnitedFaces{meshOf(mesh, lattice, *cut, kept),
-                     size_t(std::ranges::count(cut->isCut, true)),
+                     cut->cutFaces,
+                     cut->repeatedFaces,
                      volume,
                      area > 0.0 ? buried / area : 0.0,
                      std::move(sources),
-                     std::move(turned)};
+                     std::move(turned),
+                     meshOf(mesh, lattice, *cut, open),
+                     std::move(openSources)};
 }
 
 }  // namespace raymap

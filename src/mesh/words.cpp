@@ -182,7 +182,8 @@ const char* describe(FieldReason reason) {
     case FieldReason::Open:
       return "its faces do not bound a solid, even with holes closed and faces reversed";
     case FieldReason::Sheet:
-      return "most of it is sheets, open surface without an inside, or sheets may get no thickness";
+      return "its sheets may bound a solid together, have finer details than their thickness, or may get "
+             "none";
     case FieldReason::Crossing:
       return "its parts cross or touch and could not be united exactly";
     default:

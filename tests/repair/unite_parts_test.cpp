@@ -14,6 +14,7 @@
 
 #include "base/parallel.h"
 #include "mesh/diagnostics.h"
+#include "mesh/pieces.h"
 #include "repair/topology/mend.h"
 #include "shapes.h"
 
@@ -405,16 +406,135 @@ TEST(UniteParts, MakesAPlateOfAMoebiusStrip) {
   EXPECT_NEAR(diagnose(united.mesh).signedVolume - ball, 0.1 * diagnose(strip).area, 2e-2);
 }
 
+/// Returns the sides of a box apart from each other: they end before its edges.
+Mesh panels(const glm::dvec3& low, const glm::dvec3& high, double gap) {
+  std::vector<glm::dvec3> corners;
+  std::vector<glm::uvec4> faces;
+  for (int axis = 0; axis < 3; ++axis)
+    for (const bool isHigh : {false, true}) {
+      glm::dvec3 from = low + gap, to = high - gap, u(0.0), v(0.0);
+      from[axis] = isHigh ? high[axis] : low[axis];
+      u[(axis + 1) % 3] = to[(axis + 1) % 3] - from[(axis + 1) % 3];
+      v[(axis + 2) % 3] = to[(axis + 2) % 3] - from[(axis + 2) % 3];
+      if (!isHigh) std::swap(u, v);
+      const auto first = uint32_t(corners.size());
+      corners.insert(corners.end(), {from, from + u, from + u + v, from + v});
+      faces.emplace_back(first, first + 1, first + 2, first + 3);
+    }
+  return quads(corners, faces);
+}
+
 TEST(UniteParts, LeavesSheetsToTheField) {
+  const auto reasonFor = [](const Mesh& mesh, double thickness) {
+    return uniteParts(Model(mesh), InsideOut::Turned, true, thickness).failure;
+  };
   Mesh sheet = shapes::box({5, 5, 5}, {6, 6, 6});
   sheet.triangles.resize(2);
-  const Mesh mesh = join({shapes::box({0, 0, 0}, {2, 2, 2}), shapes::box({1, 1, 1}, {3, 3, 3}), sheet});
-  EXPECT_EQ(uniteParts(Model(mesh), InsideOut::Turned, true).failure, FieldReason::Sheet);
-  // With most of the area, they may bound a solid together.
+  const Mesh boxes = join({shapes::box({0, 0, 0}, {2, 2, 2}), shapes::box({1, 1, 1}, {3, 3, 3})});
+  EXPECT_EQ(reasonFor(join({boxes, sheet}), 0.0), FieldReason::Sheet);
+  // With most of the area, they may bound a solid together, but not beside more of a solid.
+  const Mesh apart = panels({5, 0, 0}, {8, 3, 3}, 0.2);
+  EXPECT_EQ(reasonFor(apart, 0.1), FieldReason::Sheet);
+  EXPECT_EQ(reasonFor(join({shapes::box({0, 0, 0}, {2, 2, 2}), apart}), 0.1), FieldReason::Sheet);
+  EXPECT_EQ(reasonFor(join({shapes::box({0, 0, 0}, {4, 4, 4}), apart}), 0.1), FieldReason::None);
+  // One that has most of the area does not.
   const Mesh large = quads({{5, 0, 0}, {9, 0, 0}, {9, 7, 0}, {5, 7, 0}}, {{0, 1, 2, 3}});
-  EXPECT_EQ(uniteParts(Model(join({shapes::box({0, 0, 0}, {2, 2, 2}), large})), InsideOut::Turned, true, 0.1)
-                .failure,
-            FieldReason::Sheet);
+  EXPECT_EQ(reasonFor(join({shapes::box({0, 0, 0}, {2, 2, 2}), large}), 0.1), FieldReason::None);
+  // Noise is finer than the plate is thick.
+  std::mt19937 random(1);
+  std::vector<glm::dvec3> corners;
+  std::vector<glm::uvec4> cells;
+  for (uint32_t y = 0; y < 20; ++y)
+    for (uint32_t x = 0; x < 20; ++x) {
+      corners.emplace_back(x, y, 2.0 * double(random()) * 0x1p-32);
+      const uint32_t c = 20 * y + x;
+      if (x > 0 && y > 0) cells.emplace_back(c - 21, c - 20, c, c - 1);
+    }
+  EXPECT_EQ(reasonFor(quads(corners, cells), 0.02), FieldReason::None);
+  EXPECT_EQ(reasonFor(quads(corners, cells), 5.0), FieldReason::Sheet);
+}
+
+TEST(UniteParts, MakesAPlateOfASheetAlone) {
+  const Mesh sheet =
+      quads({{0, 0, 0}, {4, 0, 0}, {4, 3, 0}, {0, 3, 0}, {4, 0, 2}, {4, 3, 2}}, {{0, 1, 2, 3}, {1, 4, 5, 2}});
+  for (const Mesh& mesh : {sheet, joined(sheet, shapes::inverted(sheet))}) {
+    const Repaired made = repair(mesh, fitRepairGrid(mesh, {.resolution = 64}));
+    EXPECT_EQ(made.report.depth, RepairDepth::Mended);
+    EXPECT_TRUE(isAllRight(Model(made.mesh)));
+    EXPECT_NEAR(made.report.after.signedVolume, 18.0 * made.report.leastThickness, 1e-5);
+    EXPECT_DOUBLE_EQ(made.report.thickenedShare, 1.0);
+    EXPECT_EQ(made.report.cleanedFaces, mesh.triangles.size() - sheet.triangles.size());
+    EXPECT_EQ(made.report.unitedFaces, 0u);
+  }
+}
+
+TEST(UniteParts, MakesPlatesOfSheetsWithBothSides) {
+  const Mesh box = shapes::box({0, 0, 0}, {2, 2, 2});
+  const Mesh fin = quads({{3, 0, 0}, {5, 0, 0}, {5, 2, 0}, {3, 2, 0}}, {{0, 1, 2, 3}});
+  const Mesh mesh = join({box, fin, shapes::inverted(fin)});
+  ASSERT_TRUE(diagnose(mesh).balanced);
+  const UnitedParts united = uniteParts(Model(mesh), InsideOut::Turned, true, 0.125);
+  ASSERT_EQ(united.failure, FieldReason::None);
+  EXPECT_TRUE(isAllRight(Model(united.mesh)));
+  EXPECT_NEAR(diagnose(united.mesh).signedVolume, 8.5, 1e-6);
+  EXPECT_NEAR(united.thickenedShare, 4.0 / 28.0, 1e-6);
+  EXPECT_EQ(united.cleanedFaces, 2u);
+  EXPECT_EQ(united.cutFaces, 0u);
+  for (size_t f = 0; f < united.sources.size(); ++f) {
+    ASSERT_LT(united.sources[f], 14u);
+    if (united.sources[f] >= 12u) continue;
+    EXPECT_EQ(cornersOf(united.mesh, united.mesh.triangles[f]),
+              cornersOf(mesh, mesh.triangles[united.sources[f]]));
+  }
+  EXPECT_EQ(uniteParts(Model(mesh), InsideOut::Turned, true, 0.0).failure, FieldReason::Sheet);
+  // A wall between two solids is no sheet.
+  expectUnion(join({box, shapes::box({2, 0, 0}, {3, 2, 2})}), 12.0, 32.0);
+}
+
+TEST(UniteParts, MakesPlatesOfSheetsThatShareEdgesWithSolids) {
+  const Mesh fin = quads({{0, 0, 2}, {2, 0, 2}, {2, 0, 4}, {0, 0, 4}}, {{0, 1, 2, 3}});
+  const Mesh mesh = join({shapes::box({0, 0, 0}, {2, 2, 2}), fin});
+  ASSERT_EQ(diagnose(mesh).sheets, 0u);  // It is one component with the box.
+  const UnitedParts united = uniteParts(Model(mesh), InsideOut::Turned, true, 0.25);
+  ASSERT_EQ(united.failure, FieldReason::None);
+  EXPECT_TRUE(isAllRight(Model(united.mesh)));
+  EXPECT_NEAR(diagnose(united.mesh).signedVolume, 9.0, 1e-4);
+}
+
+TEST(UniteParts, KeepsOneSideOfSolidsWithBoth) {
+  const Mesh box = shapes::box({0, 0, 0}, {2, 2, 2}), ball = shapes::sphere(1.0, 3, {5, 0, 0});
+  for (const Mesh& mesh : {join({ball, shapes::inverted(ball)}), join({shapes::inverted(ball), ball})}) {
+    const UnitedParts united = uniteParts(Model(mesh), InsideOut::Turned, true, 0.1);
+    ASSERT_EQ(united.failure, FieldReason::None);
+    EXPECT_EQ(united.mesh.triangles.size(), ball.triangles.size());
+    EXPECT_NEAR(diagnose(united.mesh).signedVolume, diagnose(ball).signedVolume, 1e-6);
+  }
+  const UnitedParts united =
+      uniteParts(Model(join({box, ball, shapes::inverted(ball)})), InsideOut::Turned, true, 0.1);
+  EXPECT_NEAR(diagnose(united.mesh).signedVolume, 8.0 + diagnose(ball).signedVolume, 1e-5);
+  EXPECT_EQ(united.cleanedFaces, ball.triangles.size());
+}
+
+TEST(UniteParts, FillsBubblesBetweenPlates) {
+  // Within the plates of a box's sides: narrower than they are thick, or wider. One face of a box else.
+  const Mesh ball = shapes::sphere(8.0, 3, {-20, 0, 0});
+  const auto cavitiesOf = [](const UnitedParts& united) {
+    const Pieces found = findPieces(Model(united.mesh));
+    return std::ranges::count_if(found.pieces, &Piece::isCavity);
+  };
+  const auto unite = [&](const Mesh& sheets) {
+    return uniteParts(Model(join({ball, sheets})), InsideOut::Turned, true, 1.0);
+  };
+  const UnitedParts narrow = unite(panels({0, 0, 0}, {1.5, 1.5, 1.5}, 0.2));
+  ASSERT_EQ(narrow.failure, FieldReason::None);
+  EXPECT_EQ(cavitiesOf(narrow), 0);
+  EXPECT_EQ(narrow.sources.size(), narrow.mesh.triangles.size());
+  EXPECT_EQ(cavitiesOf(unite(panels({0, 0, 0}, {2.5, 2.5, 2.5}, 0.2))), 1);
+  // A bubble that was given.
+  const Mesh bubble = shapes::inverted(shapes::sphere(0.2, 2, {-20, 0, 0}));
+  EXPECT_EQ(
+      cavitiesOf(unite(join({bubble, quads({{3, 0, 0}, {5, 0, 0}, {5, 2, 0}, {3, 2, 0}}, {{0, 1, 2, 3}})}))),
+      1);
 }
 
 TEST(UniteParts, RepairMakesPlatesAsThickAsAFieldWould) {

@@ -79,7 +79,7 @@ std::optional<Mended> fillAll(const Mended& open, size_t given, bool hasSheets) 
   if (mended.filled.holes == 0) return {};
   turnOut(mended.mesh, given, mended.turned);
   mended.isRight = isAllRight(Model(mended.mesh)) &&
-                   !(hasSheets && isAnyDoubled(mended.mesh, facesOfSheets(Model(open.mesh))));
+                   !(hasSheets && isAnyDoubled(mended.mesh, findSheets(Model(open.mesh)).faces));
   return mended.isRight ? std::optional(std::move(mended)) : std::nullopt;
 }
 

@@ -26,7 +26,11 @@ std::vector<uint32_t> settle(const Mesh& closed, bool mayTurn, bool keepsNeedles
   settled.partedFaces = 0;
   for (int round = 0; round < kMostRounds; ++round) {
     std::optional<UnitedFaces> cut = uniteFaces(Model(settled.mesh), mayTurn);
-    if (!cut || cut->mesh.triangles.empty()) break;
+    if (!cut) break;
+    if (cut->mesh.triangles.empty()) {
+      if (round == 0) settled.exact = std::move(*cut);
+      break;
+    }
     CleanedFaces cleaned =
         cleanFaces(Model(cut->mesh), keepsNeedles ? Cleaning::Repeated : Cleaning::Rounded);
     for (uint32_t& f : cleaned.given) f = round == 0 ? cut->sources[f] : settled.sources[cut->sources[f]];

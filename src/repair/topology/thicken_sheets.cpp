@@ -4,7 +4,6 @@
 #include <cmath>
 #include <utility>
 
-#include "mesh/diagnostics.h"
 #include "mesh/disjoint_sets.h"
 #include "mesh/half_edges.h"
 #include "mesh/patches.h"
@@ -56,6 +55,12 @@ class Sheets {
   glm::dvec3 doubleArea(uint32_t face) const {
     return doubleAreaNormal(position(3 * face), position(3 * face + 1), position(3 * face + 2));
   }
+  double angle(uint32_t corner) const {
+    const uint32_t first = corner / 3 * 3;
+    const glm::dvec3 at = position(corner), a = position(first + (corner + 1 - first) % 3) - at,
+                     b = position(first + (corner + 2 - first) % 3) - at;
+    return std::atan2(glm::length(glm::cross(a, b)), glm::dot(a, b));
+  }
 
  private:
   Mesh mesh_;
@@ -69,13 +74,15 @@ std::vector<glm::dvec3> movesOf(const Sheets& sheets, DisjointSets& points, doub
   const auto forEachCorner = [&](auto&& work) {
     for (uint32_t c = 0; c < normals.size(); ++c) {
       const glm::dvec3 normal = sheets.doubleArea(c / 3);
-      if (const double length = glm::length(normal); length > 0.0) work(points.root(c), normal / length);
+      if (const double length = glm::length(normal); length > 0.0) work(c, points.root(c), normal / length);
     }
   };
-  forEachCorner([&](uint32_t point, const glm::dvec3& normal) { normals[point] += normal; });
+  forEachCorner([&](uint32_t corner, uint32_t point, const glm::dvec3& normal) {
+    normals[point] += sheets.angle(corner) * normal;
+  });
   for (glm::dvec3& n : normals)
     if (const double length = glm::length(n); length > 0.0) n /= length;
-  forEachCorner([&](uint32_t point, const glm::dvec3& normal) {
+  forEachCorner([&](uint32_t, uint32_t point, const glm::dvec3& normal) {
     cosines[point] = std::min(cosines[point], glm::dot(normals[point], normal));
   });
   for (size_t p = 0; p < normals.size(); ++p) normals[p] *= half / std::max(cosines[p], kSharpest);
@@ -84,9 +91,8 @@ std::vector<glm::dvec3> movesOf(const Sheets& sheets, DisjointSets& points, doub
 
 }  // namespace
 
-Plates thickenSheets(const Mesh& mesh, double thickness) {
-  Plates plates{.sheets = facesOfSheets(Model(mesh))};
-  const Sheets sheets(mesh, plates.sheets);
+Plates thickenSheets(const Mesh& mesh, const std::vector<uint32_t>& faces, double thickness) {
+  const Sheets sheets(mesh, faces);
   DisjointSets points(3 * sheets.count());
   std::vector<std::array<uint32_t, 3>> walls;  // Face, and the corners from and to.
   sheets.forEachEnd(points, [&](uint32_t face, uint32_t from, uint32_t to) {
@@ -94,6 +100,7 @@ Plates thickenSheets(const Mesh& mesh, double thickness) {
   });
   const std::vector<glm::dvec3> moves = movesOf(sheets, points, 0.5 * thickness);
 
+  Plates plates;
   plates.mesh.origin = mesh.origin;
   std::vector<uint32_t> upper(moves.size());  // The lower vertex follows it.
   for (uint32_t c = 0; c < moves.size(); ++c) {
@@ -108,12 +115,19 @@ Plates thickenSheets(const Mesh& mesh, double thickness) {
   }
   const auto add = [&](uint32_t face, uint32_t a, uint32_t b, uint32_t c) {
     plates.mesh.triangles.emplace_back(a, b, c);
-    plates.sources.push_back(plates.sheets[face]);
+    plates.sources.push_back(faces[face]);
   };
+  double area = 0.0, folded = 0.0;
   for (uint32_t f = 0; f < sheets.count(); ++f) {
     const uint32_t a = upper[3 * f], b = upper[3 * f + 1], c = upper[3 * f + 2];
     add(f, a, b, c), add(f, c + 1, b + 1, a + 1);
+    const auto place = [&](uint32_t v) { return glm::dvec3(plates.mesh.vertices[v]); };
+    const glm::dvec3 normal = sheets.doubleArea(f), above = doubleAreaNormal(place(a), place(b), place(c)),
+                     below = doubleAreaNormal(place(a + 1), place(b + 1), place(c + 1));
+    area += glm::length(normal);
+    if (glm::dot(normal, above) < 0.0 || glm::dot(normal, below) < 0.0) folded += glm::length(normal);
   }
+  plates.foldedShare = area > 0.0 ? folded / area : 0.0;
   for (const auto& [face, from, to] : walls) {
     const uint32_t a = upper[from], b = upper[to];
     add(face, b, a, a + 1), add(face, b, a + 1, b + 1);

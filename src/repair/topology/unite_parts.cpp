@@ -1,8 +1,10 @@
 #include "repair/topology/unite_parts.h"
 
 #include <algorithm>
+#include <cmath>
 #include <iterator>
 #include <numeric>
+#include <optional>
 #include <utility>
 
 #include <raymap/field.h>
@@ -11,6 +13,7 @@
 #include "mesh/diagnostics.h"
 #include "mesh/triangle.h"
 #include "repair/topology/clean_faces.h"
+#include "repair/topology/drop_pieces.h"
 #include "repair/topology/mend.h"
 #include "repair/topology/settle_union.h"
 #include "repair/topology/sew_cracks.h"
@@ -20,12 +23,17 @@ namespace raymap {
 
 namespace {
 
-constexpr double kMostSheets = 0.5;  // Share of the area. With more, they may bound a solid together.
+/// Share of the area. With more, sheets may bound a solid together, if one alone cannot be most of it.
+constexpr double kMostSheets = 0.5;
 
-/// Returns the area of the last faces of a mesh.
-double areaOfLast(const Mesh& mesh, size_t count) {
+constexpr double kLittle = 1e-3;      // Share of the area that may be lost if it fits nowhere.
+constexpr double kUnseen = 1e-6;      // Share of the area that nobody sees.
+constexpr double kMostFolded = 0.05;  // Share of the sheets' area. With more, plates hide their details.
+
+/// Returns the area of the faces of a mesh from one on.
+double areaOf(const PackedMesh& mesh, size_t first = 0) {
   double area = 0.0;
-  for (size_t f = mesh.triangles.size() - count; f < mesh.triangles.size(); ++f) {
+  for (size_t f = first; f < mesh.triangles.size(); ++f) {
     const glm::uvec3& t = mesh.triangles[f];
     area += triangleArea(glm::dvec3(mesh.vertices[t.x]), glm::dvec3(mesh.vertices[t.y]),
                          glm::dvec3(mesh.vertices[t.z]));
@@ -56,69 +64,164 @@ void sew(UnitedParts& united) {
 /// Closes all holes of a part of a mesh that has an area. Returns whether that is possible. Between faces
 /// that contradict each other is no hole: patches there cut grooves.
 bool closeHolesOf(UnitedParts& united, double area, const Diagnostics& found) {
-  constexpr double kLittle = 1e-3;  // Share of the area.
   united.filled = fillHoles(united.mesh);
   return united.filled.holes > 0 &&
-         (found.consistentlyOriented || areaOfLast(united.mesh, united.filled.faces) <= kLittle * area);
+         (found.consistentlyOriented ||
+          areaOf(united.mesh, united.mesh.triangles.size() - united.filled.faces) <= kLittle * area);
 }
 
-/// Appends plates. Their faces have the given faces of their sheets.
-void append(const Plates& plates, Mesh& mesh, std::vector<uint32_t>& given) {
+/// Appends a mesh of the same origin, and the given face of each of its faces.
+void append(const Mesh& more, const std::vector<uint32_t>& sources, Mesh& mesh,
+            std::vector<uint32_t>& given) {
   const auto first = uint32_t(mesh.vertices.size());
-  mesh.vertices.insert(mesh.vertices.end(), plates.mesh.vertices.begin(), plates.mesh.vertices.end());
-  for (const glm::uvec3& t : plates.mesh.triangles) mesh.triangles.push_back(t + first);
-  given.insert(given.end(), plates.sources.begin(), plates.sources.end());
+  mesh.vertices.insert(mesh.vertices.end(), more.vertices.begin(), more.vertices.end());
+  for (const glm::uvec3& t : more.triangles) mesh.triangles.push_back(t + first);
+  given.insert(given.end(), sources.begin(), sources.end());
+}
+
+/// A mesh on its way to a union.
+struct Preparation {
+  UnitedParts& united;
+  std::vector<uint32_t> faces;        ///< Given face of each face.
+  std::vector<uint32_t> back = {};    ///< Given faces that contradict their part, ascending.
+  std::vector<uint32_t> sheets = {};  ///< Given faces of sheets, ascending.
+  double areaBeside = 0.0;            ///< Area of what the mesh was taken from.
+
+  Mesh& mesh() { return united.mesh; }
+};
+
+/// Takes the sheets out of a mesh. Returns their plates, or nothing if a field serves better.
+std::optional<Plates> takeSheets(Preparation& made, const Diagnostics& found, double thickness) {
+  const SheetFaces sheets = findSheets(Model(made.mesh()));
+  const bool areMost = found.sheetShare * found.area > kMostSheets * (found.area + made.areaBeside);
+  if (thickness == 0.0 || (areMost && sheets.mayBoundSolid)) return {};
+  Plates plates = thickenSheets(made.mesh(), sheets.faces, thickness);
+  if (plates.foldedShare > kMostFolded) return {};
+  for (uint32_t& face : plates.sources) face = made.faces[face];
+  made.united.thickenedShare = std::min(found.sheetShare, 1.0);
+  made.sheets = facesOf(sheets.faces, made.faces);
+  std::erase_if(made.back, [&](uint32_t face) { return std::ranges::binary_search(made.sheets, face); });
+  takeOut(sheets.faces, made.mesh(), made.faces);
+  return plates;
+}
+
+/// Makes a mesh balanced. Returns why that is not possible.
+FieldReason balance(const Model& given, InsideOut insideOut, bool closesHoles, double sheetThickness,
+                    Preparation& made) {
+  CleanedFaces cleaned = cleanFaces(given);
+  made.mesh() = std::move(cleaned.mesh);
+  made.faces = std::move(cleaned.given);
+  made.united.cleanedFaces = cleaned.count;
+  if (insideOut == InsideOut::Turned) made.back = facesOf(turnBack(made.mesh(), true), made.faces);
+  if (closesHoles) sew(made.united);
+  Diagnostics found = diagnose(made.mesh());
+  const double area = found.area;
+  std::optional<Plates> plates;
+  if (found.sheets > 0) {
+    plates = takeSheets(made, found, sheetThickness);
+    if (!plates) return FieldReason::Sheet;
+    const bool isLeft = !made.mesh().triangles.empty();
+    found = isLeft ? diagnose(made.mesh(), {.brief = true}) : Diagnostics{.balanced = true};
+  }
+  if (!found.balanced) {
+    const bool mayClose = closesHoles && (insideOut == InsideOut::Turned || found.consistentlyOriented);
+    if (!mayClose || !closeHolesOf(made.united, area, found)) return FieldReason::Open;
+  }
+  made.faces.resize(made.mesh().triangles.size(), kNoTriangle);
+  if (plates) append(plates->mesh, plates->sources, made.mesh(), made.faces);
+  return FieldReason::None;
+}
+
+/// Fills what plates enclose where they bend or cross, if it is smaller than a cube of their thickness.
+void fillBubbles(const std::vector<uint32_t>& sheets, double thickness, Mesh& mesh,
+                 std::vector<uint32_t>& sources) {
+  Pieces found = findPieces(Model(mesh));
+  Choice choice{std::vector<bool>(found.pieces.size())};
+  for (size_t p = 0; p < found.pieces.size(); ++p)
+    choice.isDropped[p] = found.pieces[p].isCavity() && -found.pieces[p].volume < std::pow(thickness, 3);
+  for (size_t f = 0; f < sources.size(); ++f)
+    if (!std::ranges::binary_search(sheets, sources[f])) choice.isDropped[found.ids[f]] = false;
+  if (std::ranges::count(choice.isDropped, true) == 0) return;
+  nestPieces(mesh, 1, found);
+  for (const Piece& piece : found.pieces)
+    if (piece.around != Piece::kNone) choice.isDropped[piece.around] = false;
+  size_t face = 0;
+  std::erase_if(sources, [&](uint32_t) { return choice.isDropped[found.ids[face++]]; });
+  dropFrom(mesh, found, choice);
+}
+
+/// Does what `uniteParts` does for faces with one side. Sets what the exact union is.
+UnitedParts uniteSides(const Model& given, InsideOut insideOut, bool closesHoles, double sheetThickness,
+                       UnitedFaces& exact, double areaBeside = 0.0) {
+  UnitedParts united{.mesh = weldedCopy(given)};
+  Preparation made{united, std::vector<uint32_t>(given.triangles.size())};
+  std::iota(made.faces.begin(), made.faces.end(), 0u);
+  made.areaBeside = areaBeside;
+  if (!diagnose(united.mesh, {.brief = true}).balanced)
+    if (const FieldReason reason = balance(given, insideOut, closesHoles, sheetThickness, made);
+        reason != FieldReason::None)
+      return {.failure = reason};
+  if (insideOut == InsideOut::Turned) united.inverted = findInvertedParts(united.mesh);
+  turnFaces(united.mesh, united.inverted.faces);
+  SettledUnion settled = settleUnion(std::move(united.mesh), insideOut != InsideOut::Subtracted);
+  if (!settled.isRight) united.failure = FieldReason::Crossing;
+  std::vector<uint32_t> inverted;
+  std::ranges::set_symmetric_difference(united.inverted.faces, settled.exact.turned,
+                                        std::back_inserter(inverted));
+  std::ranges::set_symmetric_difference(made.back, facesOf(inverted, made.faces),
+                                        std::back_inserter(united.turned));
+  std::erase(united.turned, kNoTriangle);
+  for (std::vector<uint32_t>* sources :
+       {&settled.sources, &settled.exact.sources, &settled.exact.openSources})
+    for (uint32_t& f : *sources) f = made.faces[f];
+  united.mesh = std::move(settled.mesh);
+  united.sources = std::move(settled.sources);
+  if (!made.sheets.empty()) fillBubbles(made.sheets, sheetThickness, united.mesh, united.sources);
+  united.cutFaces = settled.exact.cutFaces + settled.partedFaces;
+  united.cleanedFaces += settled.exact.repeatedFaces;
+  united.movedVertices = settled.movedVertices;
+  united.buriedShare = settled.exact.buriedShare;
+  exact = std::move(settled.exact);
+  return united;
+}
+
+/// Adds what was done before to a mesh whose faces come from `sources`, and from `open` faces of its sheets.
+void add(const UnitedParts& before, const UnitedParts& open, const std::vector<uint32_t>& sources,
+         UnitedParts& united) {
+  std::vector<uint32_t> turned;
+  std::ranges::set_symmetric_difference(before.turned, facesOf(united.turned, sources),
+                                        std::back_inserter(turned));
+  united.turned = std::move(turned);
+  std::erase(united.turned, kNoTriangle);
+  for (uint32_t& f : united.sources) f = sources[f];
+  united.inverted = before.inverted;
+  united.thickenedShare = before.thickenedShare;
+  for (const UnitedParts* more : {&before, &open}) {
+    united.cutFaces += more->cutFaces;
+    united.cleanedFaces += more->cleanedFaces;
+    united.sewnVertices += more->sewnVertices;
+    united.movedVertices += more->movedVertices;
+    united.buriedShare += more->buriedShare;
+    united.filled = {more->filled.holes + united.filled.holes, more->filled.faces + united.filled.faces};
+  }
 }
 
 }  // namespace
 
 UnitedParts uniteParts(const Model& given, InsideOut insideOut, bool closesHoles, double sheetThickness) {
-  UnitedParts united{.mesh = weldedCopy(given)};
-  std::vector<uint32_t> faces(united.mesh.triangles.size());  // Given face of each face.
-  std::iota(faces.begin(), faces.end(), 0u);
-  std::vector<uint32_t> back;  // Given faces that contradict their part.
-  if (!diagnose(united.mesh, {.brief = true}).balanced) {
-    CleanedFaces cleaned = cleanFaces(given);
-    united.mesh = std::move(cleaned.mesh);
-    faces = std::move(cleaned.given);
-    united.cleanedFaces = cleaned.count;
-    if (insideOut == InsideOut::Turned) back = facesOf(turnBack(united.mesh, true), faces);
-    if (closesHoles) sew(united);
-    Diagnostics found = diagnose(united.mesh);
-    const double area = found.area;
-    Plates plates;
-    if (found.sheets > 0) {
-      if (sheetThickness == 0.0 || found.sheetShare > kMostSheets) return {.failure = FieldReason::Sheet};
-      plates = thickenSheets(united.mesh, sheetThickness);
-      for (uint32_t& face : plates.sources) face = faces[face];
-      united.thickenedShare = found.sheetShare;
-      const std::vector<uint32_t> gone = facesOf(plates.sheets, faces);
-      std::erase_if(back, [&](uint32_t face) { return std::ranges::binary_search(gone, face); });
-      takeOut(plates.sheets, united.mesh, faces);
-      found = diagnose(united.mesh, {.brief = true});
-    }
-    if (!found.balanced) {
-      const bool mayClose = closesHoles && (insideOut == InsideOut::Turned || found.consistentlyOriented);
-      if (!mayClose || !closeHolesOf(united, area, found)) return {.failure = FieldReason::Open};
-    }
-    faces.resize(united.mesh.triangles.size(), kNoTriangle);
-    append(plates, united.mesh, faces);
-  }
-  if (insideOut == InsideOut::Turned) united.inverted = findInvertedParts(united.mesh);
-  turnFaces(united.mesh, united.inverted.faces);
-  SettledUnion settled = settleUnion(std::move(united.mesh), insideOut != InsideOut::Subtracted);
-  if (!settled.isRight) return {.failure = FieldReason::Crossing};
-  std::vector<uint32_t> inverted;
-  std::ranges::set_symmetric_difference(united.inverted.faces, settled.exact.turned,
-                                        std::back_inserter(inverted));
-  std::ranges::set_symmetric_difference(back, facesOf(inverted, faces), std::back_inserter(united.turned));
-  std::erase(united.turned, kNoTriangle);
-  for (uint32_t& f : settled.sources) f = faces[f];
-  united.mesh = std::move(settled.mesh);
-  united.sources = std::move(settled.sources);
-  united.cutFaces = settled.exact.cutFaces + settled.partedFaces;
-  united.movedVertices = settled.movedVertices;
-  united.buriedShare = settled.exact.buriedShare;
+  UnitedFaces exact, rest;
+  UnitedParts parts = uniteSides(given, insideOut, closesHoles, sheetThickness, exact);
+  const double area = areaOf(exact.open), beside = areaOf(given) - 2.0 * area;
+  if (area <= kUnseen * areaOf(given) || insideOut == InsideOut::Subtracted) return parts;
+  // Both sides of sheets, or of solids, lie on each other.
+  UnitedParts open = uniteSides(Model(exact.open), insideOut, closesHoles, sheetThickness, rest, beside);
+  if (open.failure != FieldReason::None) return area <= kLittle * areaOf(given) ? parts : open;
+  parts.thickenedShare += open.thickenedShare * area / (beside + area);
+  for (uint32_t& f : open.sources)
+    if (f != kNoTriangle) f = exact.openSources[f];
+  append(open.mesh, open.sources, exact.mesh, exact.sources);
+  UnitedParts united = uniteSides(Model(exact.mesh), insideOut, false, 0.0, rest);
+  add(parts, open, exact.sources, united);
   return united;
 }
 

@@ -38,8 +38,9 @@ enum class InsideOut : uint8_t {
 
 /// Cuts the faces of a mesh where they cross, overlap or touch, and keeps what bounds the union. If parts may
 /// be turned, turns back faces that contradict their part before. With `closesHoles`, closes all holes,
-/// unless faces still contradict each other. Sheets become plates of `sheetThickness`, if it is not 0 and
-/// they have at most half of the area.
+/// unless faces still contradict each other. Sheets become plates of `sheetThickness`, if it is not 0, unless
+/// they may bound a solid together or have details finer than that. So do sheets whose other side lies on
+/// them, also beside solids; solids of which both sides are there keep one.
 UnitedParts uniteParts(const Model& mesh, InsideOut insideOut = InsideOut::Turned, bool closesHoles = false,
                        double sheetThickness = 0.0);
 
