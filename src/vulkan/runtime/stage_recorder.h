@@ -32,7 +32,7 @@
 namespace raymap::vulkan {
 
 /// Returns whether rays may come before the distances and keep their memory: in larger grids, steps and waits
-/// for the host take a small share of the time. Beside lists of cells, rays take up to 12 bytes a sample
+/// for the host take a small share of the time. Beside lists of cells, rays take 16 bytes a sample
 /// more.
 constexpr bool areFewSamples(size_t samples, DistanceMode mode) {
   return samples <= (mode == DistanceMode::Exact ? size_t{1} << 21 : size_t{1} << 19);
