@@ -59,29 +59,26 @@ void writeDisc(Vec4s discs, uint node, Disc disc) {
   discs.at[node * kDiscVectors + 1] = vec4(disc.normal, disc.halfThickness);
 }
 
-// Offsets from the closest point of each of a triangle's edges to a point in its frame, and whether the point
-// lies over the face.
-struct EdgeOffsets {
-  vec2 ab, bc, ca;
-  bool inside;
-};
-
-EdgeOffsets edgeOffsets(Triangle t, vec2 p) {
-  const vec2 b = vec2(t.bx, 0), c = vec2(t.cx, t.cy), bc = c - b, bp = p - b;
-  EdgeOffsets e;
-  e.ab = vec2(p.x - clamp(p.x, 0, t.bx), p.y);
-  e.bc = bp - clamp(dot(bp, bc) * t.inverseBc2, 0, 1) * bc;
-  e.ca = p - clamp(dot(p, c) * t.inverseCa2, 0, 1) * c;
-  // Always false for a triangle without area.
-  e.inside = min(p.y, min(bc.x * p.y - t.cy * bp.x, t.cy * p.x - t.cx * p.y)) > 0;
-  return e;
+// Returns the offset, in a triangle's frame, from the closest point of the triangle to a point. As ab is the longest
+// edge, that point lies on ab below it. Elsewhere it lies on the edge that meets ab on the point's side of c, or inside.
+vec3 offsetFrom(Triangle t, vec3 point) {
+  const vec3 q = point - t.a, p = vec3(dot(q, t.x), dot(q, t.y), dot(q, t.z));
+  const bool isBeyondC = p.x >= t.cx;  // Then b is the origin, and x points to a.
+  const vec2 e = vec2(isBeyondC ? t.bx - t.cx : t.cx, t.cy);
+  vec2 o = vec2(isBeyondC ? t.bx - p.x : p.x, p.y);
+  // Never inside a triangle without area.
+  const bool isInside = min(p.y, e.y * o.x - e.x * o.y) > 0;
+  if (p.y > 0)
+    o -= clamp(dot(o, e) * (isBeyondC ? t.inverseBc2 : t.inverseCa2), 0, 1) * e;
+  else
+    o.x = min(o.x, 0);
+  if (isInside) o = vec2(0);
+  return vec3(isBeyondC ? -o.x : o.x, o.y, p.z);
 }
 
 float squaredDistance(Triangle t, vec3 point) {
-  const vec3 q = point - t.a;
-  const float w = dot(q, t.z);
-  const EdgeOffsets e = edgeOffsets(t, vec2(dot(q, t.x), dot(q, t.y)));
-  return w * w + (e.inside ? 0 : min(dot(e.ab, e.ab), min(dot(e.bc, e.bc), dot(e.ca, e.ca))));
+  const vec3 o = offsetFrom(t, point);
+  return o.z * o.z + (o.x * o.x + o.y * o.y);
 }
 
 // Distance to a convex shape and its gradient at a point: the tangent plane.
@@ -91,14 +88,9 @@ struct Tangent {
 };
 
 Tangent tangentOf(Triangle t, vec3 point) {
-  const vec3 q = point - t.a;
-  const float w = dot(q, t.z);
-  const EdgeOffsets e = edgeOffsets(t, vec2(dot(q, t.x), dot(q, t.y)));
-  const float ab2 = dot(e.ab, e.ab), bc2 = dot(e.bc, e.bc), ca2 = dot(e.ca, e.ca);
-  vec2 o = ca2 < min(ab2, bc2) ? e.ca : bc2 < ab2 ? e.bc : e.ab;
-  if (e.inside) o = vec2(0);
-  const float inverse = inverseRoot(max(dot(o, o) + w * w, 1e-30));
-  return Tangent((dot(o, o) + w * w) * inverse, (o.x * t.x + o.y * t.y + w * t.z) * inverse);
+  const vec3 o = offsetFrom(t, point);
+  const float squared = max(dot(o, o), 1e-30), inverse = inverseRoot(squared);
+  return Tangent(squared * inverse, mat3(t.x, t.y, t.z) * (inverse * o));
 }
 
 // Distances of a point from a disc, beside it and above or below it.
