@@ -114,10 +114,11 @@ void findNearest() {
     low = min(low, keysOf(plane.w - plane.z + across, place));
     high = min(high, keysOf(plane.w + plane.z + across, place));
   }
-  low = subgroupMin(low) & kMostWaiting - 1;
-  high = subgroupMin(high) & kMostWaiting - 1;
+  low = subgroupMin(low);
+  high = subgroupMin(high);
   for (uint o = lane(); o < 8; o += gl_SubgroupSize)
-    nearestWaiting[gl_SubgroupID * 8 + o] = waiting[waitingAt(o < 4 ? low[o & 3] : high[o & 3])];
+    nearestWaiting[gl_SubgroupID * 8 + o] =
+        waiting[waitingAt((o < 4 ? low : high)[o & 3] & kMostWaiting - 1)];
   work += 8;
   shareWithSubgroup();
 }

@@ -78,7 +78,6 @@ Triangle makeFrame(vec3 p, vec3 q, vec3 r) {
   const PairVector across = minusTimes(e, cx, x), y = directionAcross(x, across);
   const FloatPair cy = dotOf(across, y), beyond = pairSum(cx, pairNegative(bx)), cy2 = pairProduct(cy, cy);
   const float unit = 1.0 / scale;
-  // Rounding must not bring c beyond a or b, or below ab.
   return Triangle(a, roundedOf(x), roundedOf(y), cross(roundedOf(x), roundedOf(y)), unit * bx.high,
                   unit * clamp(cx.high, 0.0, bx.high), unit * max(cy.high, 0.0),
                   inverseOf(pairSum(pairProduct(beyond, beyond), cy2), scale),

@@ -4,8 +4,8 @@
 
 #include "vulkan/stages/roots.glsl"
 
-// Triangle in a frame of its own: corner a is the origin, b = (bx, 0), c = (cx, cy) with cy >= 0. In this
-// form the distance to a point needs no division.
+// Triangle in a frame of its own: corner a is the origin, b = (bx, 0), c = (cx, cy) with 0 <= cx <= bx and
+// cy >= 0, rounding included. In this form the distance to a point needs no division.
 struct Triangle {
   vec3 a, x, y, z;
   float bx, cx, cy;
@@ -63,17 +63,13 @@ void writeDisc(Vec4s discs, uint node, Disc disc) {
 // edge, that point lies on ab below it. Elsewhere it lies on the edge that meets ab on the point's side of c, or inside.
 vec3 offsetFrom(Triangle t, vec3 point) {
   const vec3 q = point - t.a, p = vec3(dot(q, t.x), dot(q, t.y), dot(q, t.z));
-  const bool isBeyondC = p.x >= t.cx;  // Then b is the origin, and x points to a.
-  const vec2 e = vec2(isBeyondC ? t.bx - t.cx : t.cx, t.cy);
-  vec2 o = vec2(isBeyondC ? t.bx - p.x : p.x, p.y);
+  const bvec2 isBeyondC = bvec2(p.x > t.cx), isBelow = bvec2(p.y <= 0);
+  const vec2 c = vec2(t.cx, t.cy), e = mix(c, vec2(t.bx - t.cx, -t.cy), isBeyondC);
+  const vec2 u = mix(p.xy, p.xy - c, isBeyondC), below = vec2(p.x - clamp(p.x, 0, t.bx), p.y);
+  const float share = clamp(dot(u, e) * mix(t.inverseCa2, t.inverseBc2, isBeyondC.x), 0, 1);
   // Never inside a triangle without area.
-  const bool isInside = min(p.y, e.y * o.x - e.x * o.y) > 0;
-  if (p.y > 0)
-    o -= clamp(dot(o, e) * (isBeyondC ? t.inverseBc2 : t.inverseCa2), 0, 1) * e;
-  else
-    o.x = min(o.x, 0);
-  if (isInside) o = vec2(0);
-  return vec3(isBeyondC ? -o.x : o.x, o.y, p.z);
+  const bool isInside = min(p.y, e.y * u.x - e.x * u.y) > 0;
+  return vec3(mix(mix(u - share * e, below, isBelow), vec2(0), bvec2(isInside)), p.z);
 }
 
 float squaredDistance(Triangle t, vec3 point) {
