@@ -74,24 +74,23 @@ uint octantSample(Octant octant, uvec3 at) {
   return (place.z * kBlockSide + place.y) * kBlockSide + place.x;
 }
 
-// Measures the triangles of an octant. Several lanes share those of two samples, one above the other.
+// Measures the triangles of an octant. Several lanes share those of each sample.
 void measureOctant(Block block, Octant octant, uint count) {
-  const uint shares = gl_SubgroupSize >> 2, s = octantSample(octant, cornerOf(lane() & 3));
-  const uint above = s + kBlockSide * kBlockSide;
-  const vec3 p = samplePlace(block, s), q = samplePlace(block, above);
-  const Closest beforeP = readSample(s), beforeQ = readSample(above);
-  shareWithSubgroup();
-  Closest atP = beforeP, atQ = beforeQ;
-  for (uint i = lane() >> 2; i < count; i += shares) {
-    const uint index = stackBounds[forOctant(i)];
-    const Triangle t = readTriangle(push.frames, index);
-    const float toP = squaredDistance(t, p), toQ = squaredDistance(t, q);
-    if (toP < atP.squared) atP = Closest(toP, index);
-    if (toQ < atQ.squared) atQ = Closest(toQ, index);
+  const uint shares = max(gl_SubgroupSize >> 3, 1);
+  for (uint k = lane() & 7; k < 8; k += gl_SubgroupSize) {
+    const uint s = octantSample(octant, cornerOf(k));
+    const vec3 p = samplePlace(block, s);
+    const Closest before = readSample(s);
+    shareWithSubgroup();
+    Closest closest = before;
+    for (uint i = lane() >> 3; i < count; i += shares) {
+      const uint index = stackBounds[forOctant(i)];
+      const float squared = squaredDistance(readTriangle(push.frames, index), p);
+      if (squared < closest.squared) closest = Closest(squared, index);
+    }
+    takeClosestOfLanes(s, lane() < 8, before, closest);
+    work += (count >> findMSB(shares)) + 2;
   }
-  takeClosestOfLanes(s, lane() < 4, beforeP, atP);
-  takeClosestOfLanes(above, lane() < 4, beforeQ, atQ);
-  work += 2 * (count >> findMSB(shares)) + 2;
 }
 
 // Octants at the grid's end may reach beyond it.
