@@ -339,8 +339,8 @@ TEST_F(VulkanFrames, TakeFewSteps) {
       EXPECT_FALSE(generator.status().error);
       return counter.commands().back().step + 1 - counter.commands().front().step;
     };
-    EXPECT_LE(stepsOf({}), 56U);
-    EXPECT_LE(stepsOf({.distance = DistanceMode::Cell, .sign = SignMode::Rays}), 34U);
+    EXPECT_LE(stepsOf({}), 47U);
+    EXPECT_LE(stepsOf({.distance = DistanceMode::Cell, .sign = SignMode::Rays}), 25U);
   }
   counter.stop();
 }

@@ -3,6 +3,7 @@
 #include <raymap/error.h>
 
 #include <algorithm>
+#include <cstddef>
 
 #include "base/ceil_div.h"
 #include "vulkan/device/dispatch_limits.h"
@@ -69,15 +70,17 @@ void Commands::dispatchBytes(ComputePipeline& kernel, const void* push, uint32_t
       barrier();
       bind(kernel, push, pushBytes);
     }
-    vkCmdDispatchBase(buffer_, 0, static_cast<uint32_t>(row), 0, static_cast<uint32_t>(x),
-                      static_cast<uint32_t>(rows), 1);
+    add([=](VkCommandBuffer buffer) {
+      vkCmdDispatchBase(buffer, 0, static_cast<uint32_t>(row), 0, static_cast<uint32_t>(x),
+                        static_cast<uint32_t>(rows), 1);
+    });
   }
 }
 
 /// Returns whether recording continues in a new command buffer.
 bool Commands::makeRoom(uint64_t invocations) {
   recorded_ += invocations;
-  if (!listener_ || isConcurrent_ || recorded_ <= kMostSubmitted) return false;
+  if (!listener_ || isConcurrent_ || isLockstep_ || recorded_ <= kMostSubmitted) return false;
   listener_->onMuchWork();
   recorded_ = invocations;
   return true;
@@ -86,23 +89,34 @@ bool Commands::makeRoom(uint64_t invocations) {
 void Commands::dispatchIndirectBytes(ComputePipeline& kernel, const void* push, uint32_t pushBytes,
                                      const DeviceBuffer& arguments, VkDeviceSize offset) {
   bind(kernel, push, pushBytes);
-  vkCmdDispatchIndirect(buffer_, arguments.handle(), arguments.offset() + offset);
+  add([from = arguments.handle(), first = arguments.offset() + offset](VkCommandBuffer buffer) {
+    vkCmdDispatchIndirect(buffer, from, first);
+  });
 }
 
 void Commands::bind(ComputePipeline& kernel, const void* push, uint32_t pushBytes) {
-  vkCmdBindPipeline(buffer_, VK_PIPELINE_BIND_POINT_COMPUTE, kernel.handle());
-  vkCmdPushConstants(buffer_, layout_, VK_SHADER_STAGE_COMPUTE_BIT, 0, pushBytes, push);
+  const auto* first = static_cast<const std::byte*>(push);
+  add([pipeline = kernel.handle(), layout = layout_,
+       bytes = std::vector<std::byte>(first, first + pushBytes)](VkCommandBuffer buffer) {
+    vkCmdBindPipeline(buffer, VK_PIPELINE_BIND_POINT_COMPUTE, pipeline);
+    vkCmdPushConstants(buffer, layout, VK_SHADER_STAGE_COMPUTE_BIT, 0, static_cast<uint32_t>(bytes.size()),
+                       bytes.data());
+  });
 }
 
-void Commands::fill(VkBuffer buffer, VkDeviceSize offset, VkDeviceSize bytes, uint32_t value) {
+void Commands::fill(VkBuffer filled, VkDeviceSize offset, VkDeviceSize bytes, uint32_t value) {
   if (bytes == 0) return;
   barrier();
-  vkCmdFillBuffer(buffer_, buffer, offset, bytes, value);
+  add([=](VkCommandBuffer buffer) { vkCmdFillBuffer(buffer, filled, offset, bytes, value); });
 }
 
 void Commands::updateBytes(const DeviceBuffer& buffer, const void* bytes, uint32_t size) {
   barrier();
-  vkCmdUpdateBuffer(buffer_, buffer.handle(), buffer.offset(), size, bytes);
+  const auto* first = static_cast<const std::byte*>(bytes);
+  add([to = buffer.handle(), offset = buffer.offset(),
+       values = std::vector<std::byte>(first, first + size)](VkCommandBuffer commands) {
+    vkCmdUpdateBuffer(commands, to, offset, values.size(), values.data());
+  });
 }
 
 void Commands::copy(const DeviceBuffer& from, VkBuffer to, VkDeviceSize offset, VkDeviceSize bytes,
@@ -110,7 +124,9 @@ void Commands::copy(const DeviceBuffer& from, VkBuffer to, VkDeviceSize offset, 
   if (bytes == 0) return;
   barrier();
   const VkBufferCopy region{.srcOffset = from.offset() + first, .dstOffset = offset, .size = bytes};
-  vkCmdCopyBuffer(buffer_, from.handle(), to, 1, &region);
+  add([to, region, source = from.handle()](VkCommandBuffer buffer) {
+    vkCmdCopyBuffer(buffer, source, to, 1, &region);
+  });
 }
 
 void Commands::copy(const DeviceBuffer& from, VkImage to, const VkExtent3D& extent) {
@@ -119,11 +135,30 @@ void Commands::copy(const DeviceBuffer& from, VkImage to, const VkExtent3D& exte
       .bufferOffset = from.offset(),
       .imageSubresource = {.aspectMask = VK_IMAGE_ASPECT_COLOR_BIT, .layerCount = 1},
       .imageExtent = extent};
-  vkCmdCopyBufferToImage(buffer_, from.handle(), to, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &region);
+  add([to, region, source = from.handle()](VkCommandBuffer buffer) {
+    vkCmdCopyBufferToImage(buffer, source, to, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &region);
+  });
+}
+
+void Commands::lockstep(std::initializer_list<std::function<void()>> chains) {
+  isLockstep_ = true;
+  for (const std::function<void()>& chain : chains) {
+    stepsOfChain_ = 0;
+    chain();
+  }
+  isLockstep_ = false;
+  for (const std::vector<Deferred>& step : std::exchange(steps_, {})) {
+    barrier();
+    for (const Deferred& command : step) command(buffer_);
+  }
 }
 
 void Commands::barrier() {
-  if (!isConcurrent_) barrierBetween(buffer_, kWork, kWrites, kWorkAndArguments, kWrites | kReads);
+  if (isConcurrent_) return;
+  if (!isLockstep_)
+    barrierBetween(buffer_, kWork, kWrites, kWorkAndArguments, kWrites | kReads);
+  else if (++stepsOfChain_ > steps_.size())
+    steps_.emplace_back();
 }
 
 }  // namespace raymap::vulkan

@@ -1,6 +1,9 @@
 #pragma once
 
+#include <functional>
+#include <initializer_list>
 #include <utility>
+#include <vector>
 
 #include "vulkan/device/buffer.h"
 #include "vulkan/device/kernel.h"
@@ -86,6 +89,10 @@ class Commands {
     isConcurrent_ = !isOuter;
   }
 
+  /// Records independent chains of commands: one barrier precedes the first steps of all, another one the
+  /// second ones, and so on. No chain may write memory that another one reads or writes.
+  void lockstep(std::initializer_list<std::function<void()>> chains);
+
   /// Times what is recorded until `stopStage`. Stages do not nest.
   void startStage(const char* name) {
     if (timer_) timer_->start(buffer_, name);
@@ -95,6 +102,16 @@ class Commands {
   }
 
  private:
+  /// A command that waits for the commands of other chains.
+  using Deferred = std::function<void(VkCommandBuffer)>;
+
+  template <class Command>
+  void add(Command&& command) {
+    if (isLockstep_)
+      steps_.at(stepsOfChain_ - 1).emplace_back(std::forward<Command>(command));
+    else
+      command(buffer_);
+  }
   void dispatchBytes(ComputePipeline& kernel, const void* push, uint32_t pushBytes, uint64_t invocations,
                      uint64_t weight);
   void dispatchIndirectBytes(ComputePipeline& kernel, const void* push, uint32_t pushBytes,
@@ -110,6 +127,9 @@ class Commands {
   RecordingListener* listener_ = nullptr;
   uint64_t recorded_ = 0;  // Invocations in this command buffer, as far as the host knows them.
   bool isConcurrent_ = false;
+  bool isLockstep_ = false;
+  size_t stepsOfChain_ = 0;
+  std::vector<std::vector<Deferred>> steps_;  // Of all chains so far.
 };
 
 }  // namespace raymap::vulkan

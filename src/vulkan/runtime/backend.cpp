@@ -19,10 +19,6 @@ constexpr const char* kReadBackStage = "read_back";
 constexpr const char* kFaceSearchStage = "face_search";
 constexpr const char* kDistanceStage = "exact_distance";
 
-/// In grids of at most so many samples, the host looks at the rays while the device computes distances, which
-/// takes up to 1.3 bytes per sample more. For more samples, the device waits for a small share of the time.
-constexpr size_t kFewSamples = size_t{1} << 21;
-
 /// Returns the bytes of the buffer through which a field comes: a quarter of the field. A lower limit keeps
 /// the wait shorter than the copy; an upper limit keeps the buffer in the host's caches.
 uint64_t pieceBytes(uint64_t fieldBytes) {
@@ -75,7 +71,7 @@ void Backend::begin() {
               .winding = options.winding ? winding_.address() : 0,
               .confidence = options.confidence ? confidence_.address() : 0});
   recordMesh(upload_.source());
-  if (!extent().searchesFaces) return;
+  if (!extent().searchesFaces || extent().castsRaysFirst) return;
   stopStage();
   startStage(kFaceSearchStage);
   searchFaces();
@@ -101,6 +97,12 @@ void Backend::exactDistance() {
   if (!isDistanceDue_) recordExactDistance();
 }
 
+void Backend::crossings() {
+  if (isDistanceDue_) recordTreeWithRays();
+  StageRecorder::crossings();
+  if (extent().castsRaysFirst && extent().searchesFaces) faceSearchPart_ = submitPart();
+}
+
 void Backend::recordDueDistance() {
   if (!std::exchange(isDistanceDue_, false)) return;
   const char* const stage = openStage_;
@@ -124,11 +126,11 @@ StageRecorder::Extent Backend::extentOf(const PackedMesh& mesh, const Grid& grid
                 .closesHoles = options.closeHoles,
                 .findsRims = usesRims(options.sign),
                 .searchesFaces = usesRims(options.sign) || mayTurnFaces(options)};
-  if (options.distance == DistanceMode::Exact) {
-    extent.castsRaysFirst = usesRims(modeBeforeOrientation(options)) && !job_->machine.progress &&
-                            grid.sampleCount() <= kFewSamples;
-    return extent;
-  }
+  const bool isExact = options.distance == DistanceMode::Exact;
+  extent.castsRaysFirst =
+      !job_->machine.progress && areFewSamples(grid.sampleCount(), options.distance) &&
+      (isExact ? usesRims(modeBeforeOrientation(options)) : options.sign != SignMode::None);
+  if (isExact) return extent;
   const Box box = bounds(mesh);
   const auto inCells = [&](const glm::dvec3& p) { return glm::vec3((p - grid.origin) / grid.spacing); };
   extent.lattices = coverBounds(inCells(box.min), inCells(box.max), grid.dims);

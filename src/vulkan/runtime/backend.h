@@ -30,6 +30,8 @@ class Backend : public StageRecorder, private RecordingListener {
   void begin();
   /// Records nothing in a small grid: `winding` then records the distances, after the rays.
   void exactDistance();
+  /// In a small grid, with the tree and the search for faces.
+  void crossings();
   /// Lets the host look for rims if rays disagree.
   void winding(SignMode mode);
   void windingDipoles();

@@ -18,6 +18,8 @@ void FrameBackend::reserve(const Room& room) {
                 .lattices = coverBounds(glm::vec3(-0.5 - room.outside),
                                         glm::vec3(glm::dvec3(room.dims) - 0.5 + room.outside), room.dims),
                 .outside = room.outside};
+  extent.castsRaysFirst =
+      room.sign != SignMode::None && areFewSamples(CellLattice{room.dims}.count(), room.distance);
   extent.lists.fill(room.lists);
   StageRecorder::reserve(extent);
   image_.reserve(room.dims, room.image);

@@ -33,7 +33,10 @@ class FrameBackend : public StageRecorder {
     work();
   }
   void begin();
-  void exactDistance() { recordExactDistance(); }
+  void exactDistance() {
+    recordTreeWithRays();
+    recordExactDistance();
+  }
   /// Takes no rims, for the host does not know the mesh.
   void winding(SignMode mode) {
     recordRays(mode);

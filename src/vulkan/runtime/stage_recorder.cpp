@@ -35,13 +35,15 @@ void StageRecorder::reserve(const Extent& extent) {
   const bool isHarmonic = extent.sign == SignMode::Harmonic;
   mesh_.reserve(extent.vertices, extent.triangles);
   if (isExact() || isHarmonic || extent.closesHoles) surfaceTree_.reserve(extent.triangles);
-  scratch_.startPhase();
-  if (extent.searchesFaces) faceSearch_.reserve(extent.vertices, extent.triangles);
   // The sign needs only the distances themselves, so the stages of both share their scratch memory.
   scratch_.startPhase();
   const size_t afterRays = hasSign() ? reserveSign() : 0;
+  const size_t first = extent.castsRaysFirst ? afterRays : 0;
+  scratch_.startPhase(first);
+  if (extent.searchesFaces) faceSearch_.reserve(extent.vertices, extent.triangles);
+  // Lists of cells are made beside the search for faces.
+  if (isExact() || !extent.castsRaysFirst) scratch_.startPhase(first);
   // Reserved last, because the levels of cells keep addresses.
-  scratch_.startPhase(extent.castsRaysFirst ? afterRays : 0);
   if (isExact())
     exactDistance_.reserve(extent.dims);
   else
@@ -80,7 +82,25 @@ void StageRecorder::setResults(const Results& results) {
 void StageRecorder::recordMesh(const CellMeshStage::Source& source) {
   mesh_.record(*commands_, source, *grid_, extent_.outside,
                extent_.searchesFaces ? faceSearch_.vertexHashes() : 0);
-  hasSurfaceTree_ = false;
+  hasSurfaceTree_ = hasRays_ = false;
+}
+
+void StageRecorder::recordWithRays(const std::function<void()>& chain) {
+  if (!extent_.castsRaysFirst) return chain();
+  const auto rays = [&] {
+    crossings();
+    rayMap();
+    recordRays(modeBeforeOrientation(*options_));
+  };
+  const auto faces = [&] {
+    if (extent_.searchesFaces) faceSearch_.record(*commands_, mesh_.mesh());
+  };
+  commands_->lockstep({chain, rays, faces});
+  hasRays_ = true;
+}
+
+void StageRecorder::recordTreeWithRays() {
+  if (extent_.castsRaysFirst) recordWithRays([&] { surfaceTree(); });
 }
 
 void StageRecorder::recordExactDistance() {

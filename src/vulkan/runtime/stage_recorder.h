@@ -4,6 +4,8 @@
 #include <raymap/vulkan.h>
 
 #include <array>
+#include <functional>
+#include <utility>
 
 #include "vulkan/device/commands.h"
 #include "vulkan/device/scratch_memory.h"
@@ -29,6 +31,13 @@
 
 namespace raymap::vulkan {
 
+/// Returns whether rays may come before the distances and keep their memory: in larger grids, steps and waits
+/// for the host take a small share of the time. Beside lists of cells, rays take 16 bytes a sample
+/// more.
+constexpr bool areFewSamples(size_t samples, DistanceMode mode) {
+  return samples <= (mode == DistanceMode::Exact ? size_t{1} << 21 : size_t{1} << 19);
+}
+
 /// Records the GPU twin of every stage of method/pipeline.h, from a mesh on the device to its field there.
 /// `Backend` transfers both from and to the host, `FrameBackend` leaves both on the device.
 class StageRecorder {
@@ -40,8 +49,12 @@ class StageRecorder {
   void distanceTransform();
   void refine();
   void rasterDistance();
-  void crossings() { crossings_.record(*commands_, mesh_.mesh()); }
-  void rayMap() { rayMap_.record(*commands_, crossings_.lines()); }
+  void crossings() {
+    if (!hasRays_) crossings_.record(*commands_, mesh_.mesh());
+  }
+  void rayMap() {
+    if (!hasRays_) rayMap_.record(*commands_, crossings_.lines());
+  }
   void sign() {}  // A part of `finish`.
 
  protected:
@@ -56,7 +69,7 @@ class StageRecorder {
     bool turnsFaces = false;
     bool closesHoles = false;
     bool findsRims = false;       ///< Whether the host looks for rims.
-    bool castsRaysFirst = false;  ///< Whether exact distances come after the rays.
+    bool castsRaysFirst = false;  ///< Whether rays come before the distances and keep their memory.
     bool searchesFaces = false;   ///< Whether the device searches for rims and faces that lie on others.
     /// Cells that the paper's distances search: `coverBounds` of meshes that reach at most `outside` beyond
     /// the grid.
@@ -75,7 +88,8 @@ class StageRecorder {
   /// The winding numbers of `SignMode::Harmonic` after `recordRays`, if some rays disagree: from rims, or as
   /// the field that fits all crossings.
   void recordRays(SignMode mode) {
-    windingRays_.record(*commands_, crossings_.lines(), mode, results_.winding);
+    if (!std::exchange(hasRays_, false))
+      windingRays_.record(*commands_, crossings_.lines(), mode, results_.winding);
   }
   void recordWinding(SignMode mode);
   void recordDoubts();
@@ -97,6 +111,8 @@ class StageRecorder {
   /// Sets the addresses of the results; called after `reserve`.
   void setResults(const Results& results);
   void recordMesh(const CellMeshStage::Source& source);
+  /// Records the tree beside the rays, if these come first.
+  void recordTreeWithRays();
   void recordExactDistance();
   void recordFinish();
   /// Copies the findings to all targets that have a buffer.
@@ -133,6 +149,9 @@ class StageRecorder {
   size_t reserveSign();
   void reserveCells();
   bool isRaster() const { return extent_.distance == DistanceMode::Raster; }
+  /// Records what only needs the mesh: `chain`, and beside it the rays and the search for faces, if rays come
+  /// first.
+  void recordWithRays(const std::function<void()>& chain);
   std::optional<Error> errorOf(const Findings& findings) const;
 
   std::optional<Commands> commands_;
@@ -140,6 +159,7 @@ class StageRecorder {
   const FieldOptions* options_ = nullptr;
   Extent extent_;
   bool hasSurfaceTree_ = false;
+  bool hasRays_ = false;  // Until `recordRays` asks for them.
   SurfaceTreeStage surfaceTree_;
   ExactDistanceStage exactDistance_;
   std::vector<std::unique_ptr<CellStages>> levels_;  // At least as many as lattices.

@@ -33,7 +33,9 @@ void StageRecorder::grow(const Findings& findings) {
 }
 
 void StageRecorder::voxelGrid() {
-  for (size_t l = 0; l < extent_.lattices.size(); ++l) levels_[l]->grid.record(*commands_, mesh_.mesh());
+  recordWithRays([&] {
+    for (size_t l = 0; l < extent_.lattices.size(); ++l) levels_[l]->grid.record(*commands_, mesh_.mesh());
+  });
 }
 
 void StageRecorder::cellDistance() {
