@@ -14,7 +14,7 @@ const float kWholeLeaf = 1.5;
 const uint kLeafBit = 0x80000000u;  // Marks leaves among what waits.
 // Up to this many triangles are measured for all samples at once. Of more, octants of the block measure only
 // those that may win there.
-const uint kFewTriangles = 20;
+const uint kFewTriangles = 32;
 
 // Triangles and leaves that wait to be measured, with planes below the distances to them: gradients, and values at
 // the block's centre. Then what seems closest to each octant.
@@ -93,27 +93,32 @@ void measureOctant(Block block, Octant octant, uint count) {
   }
 }
 
+// Octants at the grid's end may reach beyond it.
 Octant octantOf(Block block, uint o) {
-  const uvec3 first = 2 * cornerOf(o), low = min(block.low + first, block.high - 1);
-  const Block part = blockFrom(low, min(low + 2, block.high));
-  return Octant(part, low - block.low, part.centre - block.centre);
+  const uvec3 first = 2 * cornerOf(o), low = block.low + first;
+  const vec3 centre = vec3(low) + 0.5;
+  return Octant(Block(low, low + 2, centre, vec3(0.5)), first, centre - block.centre);
 }
 
-// Finds what may come closest to each octant's centre.
-void findNearest(Block block) {
-  for (uint o = 0; o < 8; ++o) {
-    const Octant octant = octantOf(block, o);
-    float least = kLargestFloat;
-    uint nearest = 0;
-    for (uint place = lane(); place < waitingCount; place += gl_SubgroupSize) {
-      const float bound = waitingTangent(place, octant).d;
-      if (bound < least) nearest = place;
-      least = min(least, bound);
-    }
-    nearest = subgroupMin(least == subgroupMin(least) ? nearest : kMostWaiting - 1);
-    if (lane() == 0) nearestWaiting[gl_SubgroupID * 8 + o] = waiting[waitingAt(nearest)];
-    work += 1;
+// Bounds of four octants, rounded down so that the place fits below.
+uvec4 keysOf(vec4 bounds, uint place) {
+  return floatBitsToUint(max(bounds, 0)) & ~(kMostWaiting - 1) | place;
+}
+
+// Finds what may come closest to each octant's centre, which is one cell from the block's along each axis.
+void findNearest() {
+  uvec4 low = uvec4(~0u), high = low;
+  for (uint place = lane(); place < waitingCount; place += gl_SubgroupSize) {
+    const vec4 plane = planes[waitingAt(place)], across = acrossOf(plane.xyz);
+    low = min(low, keysOf(plane.w - plane.z + across, place));
+    high = min(high, keysOf(plane.w + plane.z + across, place));
   }
+  low = subgroupMin(low);
+  high = subgroupMin(high);
+  for (uint o = lane(); o < 8; o += gl_SubgroupSize)
+    nearestWaiting[gl_SubgroupID * 8 + o] =
+        waiting[waitingAt((o < 4 ? low : high)[o & 3] & kMostWaiting - 1)];
+  work += 8;
   shareWithSubgroup();
 }
 
@@ -137,9 +142,8 @@ void measureNearest(Block block) {
 
 // Returns the distances so far, minus the tolerance, of an octant's samples.
 Corners octantCorners(Octant octant) {
-  const uvec3 last = octant.block.high - octant.block.low - 1;
   for (uint k = lane(); k < 8; k += gl_SubgroupSize)
-    keepCorner(k, readSample(octantSample(octant, min(cornerOf(k), last))).squared);
+    keepCorner(k, readSample(octantSample(octant, cornerOf(k))).squared);
   return readCorners();
 }
 
@@ -159,7 +163,7 @@ void listOctant(Octant octant, Corners corners, inout uint count, inout uint lea
         first + lane() < waitingCount && mayWin(waitingTangent(place, octant), octant.block, corners);
     const bool isWhole = (entry & kLeafBit) != 0;
     listForOctant(survives && !isWhole, entry, 0, count);
-    listForOctant(survives && isWhole, entry & ~kLeafBit, kMostWaiting, offered);
+    if (hasLeaves) listForOctant(survives && isWhole, entry & ~kLeafBit, kMostWaiting, offered);
     work += 2;
   }
   shareWithSubgroup();
@@ -190,7 +194,7 @@ void openLeaves(Octant octant, Corners corners, inout uint leaves, inout uint co
 
 // Measures what waits, an octant at a time.
 void measureOctants(Block block) {
-  findNearest(block);
+  findNearest();
   measureNearest(block);
   for (uint o = 0; o < 8; ++o) {
     if (any(greaterThanEqual(block.low + 2 * cornerOf(o), block.high))) continue;

@@ -246,11 +246,16 @@ Corners measureCorners(uint triangle, Block block) {
   return readCorners();
 }
 
+// Returns what a gradient adds at the corners (-1, -1), (1, -1), (-1, 1) and (1, 1) of x and y.
+vec4 acrossOf(vec3 g) {
+  return vec4(-g.x - g.y, g.x - g.y, g.y - g.x, g.x + g.y);
+}
+
 // Returns whether a candidate may be closest to some sample of the block. The distance to the candidate is
 // convex, so its tangent plane at the centre is a lower bound. The distance to the dominating triangle is
 // convex, too. If it stays below that plane at the eight corners, it does so everywhere between them.
 bool mayWin(Tangent t, Block block, Corners corners) {
   const vec3 g = t.g * block.reach;
-  const vec4 across = vec4(-g.x - g.y, g.x - g.y, g.y - g.x, g.x + g.y);
+  const vec4 across = acrossOf(g);
   return any(lessThan(t.d - g.z + across, corners.low)) || any(lessThan(t.d + g.z + across, corners.high));
 }

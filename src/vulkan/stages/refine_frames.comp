@@ -24,7 +24,7 @@ Triangle frameOf(vec3 p, vec3 q, vec3 r) {
   const vec3 a = fromQ ? q : fromR ? r : p, b = fromQ ? r : fromR ? p : q, c = fromQ ? p : fromR ? q : r;
   const float bx = length(b - a);
   const vec3 x = bx > 0 ? (b - a) / bx : vec3(1, 0, 0), y = directionAcross(x, c - a);
-  const float cx = dot(c - a, x), cy = max(dot(c - a, y), 0);
+  const float cx = clamp(dot(c - a, x), 0, bx), cy = max(dot(c - a, y), 0);
   return Triangle(a, x, y, cross(x, y), bx, cx, cy, inverseOf((cx - bx) * (cx - bx) + cy * cy), inverseOf(cx * cx + cy * cy));
 }
 

@@ -78,7 +78,8 @@ Triangle makeFrame(vec3 p, vec3 q, vec3 r) {
   const PairVector across = minusTimes(e, cx, x), y = directionAcross(x, across);
   const FloatPair cy = dotOf(across, y), beyond = pairSum(cx, pairNegative(bx)), cy2 = pairProduct(cy, cy);
   const float unit = 1.0 / scale;
-  return Triangle(a, roundedOf(x), roundedOf(y), cross(roundedOf(x), roundedOf(y)), unit * bx.high, unit * cx.high, unit * cy.high,
+  return Triangle(a, roundedOf(x), roundedOf(y), cross(roundedOf(x), roundedOf(y)), unit * bx.high,
+                  unit * clamp(cx.high, 0.0, bx.high), unit * max(cy.high, 0.0),
                   inverseOf(pairSum(pairProduct(beyond, beyond), cy2), scale),
                   inverseOf(pairSum(pairProduct(cx, cx), cy2), scale));
 }

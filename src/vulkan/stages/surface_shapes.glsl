@@ -4,8 +4,8 @@
 
 #include "vulkan/stages/roots.glsl"
 
-// Triangle in a frame of its own: corner a is the origin, b = (bx, 0), c = (cx, cy) with cy >= 0. In this
-// form the distance to a point needs no division.
+// Triangle in a frame of its own: corner a is the origin, b = (bx, 0), c = (cx, cy) with 0 <= cx <= bx and
+// cy >= 0, rounding included. In this form the distance to a point needs no division.
 struct Triangle {
   vec3 a, x, y, z;
   float bx, cx, cy;
@@ -59,29 +59,22 @@ void writeDisc(Vec4s discs, uint node, Disc disc) {
   discs.at[node * kDiscVectors + 1] = vec4(disc.normal, disc.halfThickness);
 }
 
-// Offsets from the closest point of each of a triangle's edges to a point in its frame, and whether the point
-// lies over the face.
-struct EdgeOffsets {
-  vec2 ab, bc, ca;
-  bool inside;
-};
-
-EdgeOffsets edgeOffsets(Triangle t, vec2 p) {
-  const vec2 b = vec2(t.bx, 0), c = vec2(t.cx, t.cy), bc = c - b, bp = p - b;
-  EdgeOffsets e;
-  e.ab = vec2(p.x - clamp(p.x, 0, t.bx), p.y);
-  e.bc = bp - clamp(dot(bp, bc) * t.inverseBc2, 0, 1) * bc;
-  e.ca = p - clamp(dot(p, c) * t.inverseCa2, 0, 1) * c;
-  // Always false for a triangle without area.
-  e.inside = min(p.y, min(bc.x * p.y - t.cy * bp.x, t.cy * p.x - t.cx * p.y)) > 0;
-  return e;
+// Returns the offset, in a triangle's frame, from the closest point of the triangle to a point. As ab is the longest
+// edge, that point lies on ab below it. Elsewhere it lies on the edge that meets ab on the point's side of c, or inside.
+vec3 offsetFrom(Triangle t, vec3 point) {
+  const vec3 q = point - t.a, p = vec3(dot(q, t.x), dot(q, t.y), dot(q, t.z));
+  const bvec2 isBeyondC = bvec2(p.x > t.cx), isBelow = bvec2(p.y <= 0);
+  const vec2 c = vec2(t.cx, t.cy), e = mix(c, vec2(t.bx - t.cx, -t.cy), isBeyondC);
+  const vec2 u = mix(p.xy, p.xy - c, isBeyondC), below = vec2(p.x - clamp(p.x, 0, t.bx), p.y);
+  const float share = clamp(dot(u, e) * mix(t.inverseCa2, t.inverseBc2, isBeyondC.x), 0, 1);
+  // Never inside a triangle without area.
+  const bool isInside = min(p.y, e.y * u.x - e.x * u.y) > 0;
+  return vec3(mix(mix(u - share * e, below, isBelow), vec2(0), bvec2(isInside)), p.z);
 }
 
 float squaredDistance(Triangle t, vec3 point) {
-  const vec3 q = point - t.a;
-  const float w = dot(q, t.z);
-  const EdgeOffsets e = edgeOffsets(t, vec2(dot(q, t.x), dot(q, t.y)));
-  return w * w + (e.inside ? 0 : min(dot(e.ab, e.ab), min(dot(e.bc, e.bc), dot(e.ca, e.ca))));
+  const vec3 o = offsetFrom(t, point);
+  return o.z * o.z + (o.x * o.x + o.y * o.y);
 }
 
 // Distance to a convex shape and its gradient at a point: the tangent plane.
@@ -91,14 +84,9 @@ struct Tangent {
 };
 
 Tangent tangentOf(Triangle t, vec3 point) {
-  const vec3 q = point - t.a;
-  const float w = dot(q, t.z);
-  const EdgeOffsets e = edgeOffsets(t, vec2(dot(q, t.x), dot(q, t.y)));
-  const float ab2 = dot(e.ab, e.ab), bc2 = dot(e.bc, e.bc), ca2 = dot(e.ca, e.ca);
-  vec2 o = ca2 < min(ab2, bc2) ? e.ca : bc2 < ab2 ? e.bc : e.ab;
-  if (e.inside) o = vec2(0);
-  const float inverse = inverseRoot(max(dot(o, o) + w * w, 1e-30));
-  return Tangent((dot(o, o) + w * w) * inverse, (o.x * t.x + o.y * t.y + w * t.z) * inverse);
+  const vec3 o = offsetFrom(t, point);
+  const float squared = max(dot(o, o), 1e-30), inverse = inverseRoot(squared);
+  return Tangent(squared * inverse, mat3(t.x, t.y, t.z) * (inverse * o));
 }
 
 // Distances of a point from a disc, beside it and above or below it.
