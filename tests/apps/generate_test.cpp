@@ -258,8 +258,11 @@ TEST_F(CliGenerate, MakesASolidOfADoubleSidedMesh) {
             std::string::npos);
   EXPECT_EQ(json("s.json")["stats"]["left_out_faces"], 0);
   EXPECT_GT(least(path("kept.nrrd")), 0.0f);
-  const std::string repaired = succeed("repair ball.ply -o solid.stl --resolution 64 --stats solid.json").out;
-  EXPECT_NE(repaired.find("5,120 faces with the corners of another"), std::string::npos) << repaired;
+  const std::string mended = succeed("repair ball.ply -o solid.stl --resolution 64").out;
+  EXPECT_NE(mended.find("removed 5,120 degenerate or repeated faces"), std::string::npos) << mended;
+  const std::string made =
+      succeed("repair ball.ply -o solid.stl --resolution 64 --remesh --stats solid.json").out;
+  EXPECT_NE(made.find("5,120 faces with the corners of another"), std::string::npos) << made;
   EXPECT_EQ(json("solid.json")["stats"]["left_out_faces"], faces);
 }
 
