@@ -23,9 +23,7 @@ namespace raymap {
 
 namespace {
 
-/// Share of the area. With more, sheets may bound a solid together, if one alone cannot be most of it.
-constexpr double kMostSheets = 0.5;
-
+constexpr double kMostSheets = 0.5;   // Share of the area. With more, they may bound a solid together.
 constexpr double kLittle = 1e-3;      // Share of the area that may be lost if it fits nowhere.
 constexpr double kUnseen = 1e-6;      // Share of the area that nobody sees.
 constexpr double kMostFolded = 0.05;  // Share of the sheets' area. With more, plates hide their details.
@@ -211,11 +209,12 @@ void add(const UnitedParts& before, const UnitedParts& open, const std::vector<u
 UnitedParts uniteParts(const Model& given, InsideOut insideOut, bool closesHoles, double sheetThickness) {
   UnitedFaces exact, rest;
   UnitedParts parts = uniteSides(given, insideOut, closesHoles, sheetThickness, exact);
-  const double area = areaOf(exact.open), beside = areaOf(given) - 2.0 * area;
-  if (area <= kUnseen * areaOf(given) || insideOut == InsideOut::Subtracted) return parts;
+  if (exact.open.triangles.empty() || insideOut == InsideOut::Subtracted) return parts;
+  const double all = areaOf(given), area = areaOf(exact.open), beside = all - 2.0 * area;
+  if (area <= kUnseen * all) return parts;
   // Both sides of sheets, or of solids, lie on each other.
   UnitedParts open = uniteSides(Model(exact.open), insideOut, closesHoles, sheetThickness, rest, beside);
-  if (open.failure != FieldReason::None) return area <= kLittle * areaOf(given) ? parts : open;
+  if (open.failure != FieldReason::None) return area <= kLittle * all ? parts : open;
   parts.thickenedShare += open.thickenedShare * area / (beside + area);
   for (uint32_t& f : open.sources)
     if (f != kNoTriangle) f = exact.openSources[f];
