@@ -99,7 +99,7 @@ void Backend::exactDistance() {
 
 void Backend::crossings() {
   if (isDistanceDue_) recordTreeWithRays();
-  StageRecorder::crossings();
+  recordCrossings();
   if (extent().castsRaysFirst && extent().searchesFaces) faceSearchPart_ = submitPart();
 }
 

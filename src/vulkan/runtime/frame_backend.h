@@ -37,6 +37,7 @@ class FrameBackend : public StageRecorder {
     recordTreeWithRays();
     recordExactDistance();
   }
+  void crossings() { recordCrossings(); }
   /// Takes no rims, for the host does not know the mesh.
   void winding(SignMode mode) {
     recordRays(mode);

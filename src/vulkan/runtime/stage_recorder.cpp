@@ -88,7 +88,7 @@ void StageRecorder::recordMesh(const CellMeshStage::Source& source) {
 void StageRecorder::recordWithRays(const std::function<void()>& chain) {
   if (!extent_.castsRaysFirst) return chain();
   const auto rays = [&] {
-    crossings();
+    recordCrossings();
     rayMap();
     recordRays(modeBeforeOrientation(*options_));
   };

@@ -49,9 +49,6 @@ class StageRecorder {
   void distanceTransform();
   void refine();
   void rasterDistance();
-  void crossings() {
-    if (!hasRays_) crossings_.record(*commands_, mesh_.mesh());
-  }
   void rayMap() {
     if (!hasRays_) rayMap_.record(*commands_, crossings_.lines());
   }
@@ -85,6 +82,9 @@ class StageRecorder {
     VkDeviceAddress confidence = 0;  ///< 0: not requested.
   };
 
+  void recordCrossings() {
+    if (!hasRays_) crossings_.record(*commands_, mesh_.mesh());
+  }
   /// The winding numbers of `SignMode::Harmonic` after `recordRays`, if some rays disagree: from rims, or as
   /// the field that fits all crossings.
   void recordRays(SignMode mode) {
