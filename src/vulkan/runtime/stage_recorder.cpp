@@ -100,7 +100,9 @@ void StageRecorder::recordWithRays(const std::function<void()>& chain) {
 }
 
 void StageRecorder::recordTreeWithRays() {
-  if (extent_.castsRaysFirst) recordWithRays([&] { surfaceTree(); });
+  if (!extent_.castsRaysFirst) return;
+  recordWithRays([&] { recordTree(); });
+  hasSurfaceTree_ = true;
 }
 
 void StageRecorder::recordExactDistance() {
@@ -109,7 +111,7 @@ void StageRecorder::recordExactDistance() {
 }
 
 const SurfaceTreeStage& StageRecorder::surfaceTree() {
-  if (!std::exchange(hasSurfaceTree_, true)) surfaceTree_.record(*commands_, mesh_.mesh(), extent_.dims);
+  if (!std::exchange(hasSurfaceTree_, true)) recordTree();
   return surfaceTree_;
 }
 
