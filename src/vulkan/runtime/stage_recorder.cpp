@@ -80,8 +80,11 @@ void StageRecorder::setResults(const Results& results) {
 }
 
 void StageRecorder::recordMesh(const CellMeshStage::Source& source) {
-  mesh_.record(*commands_, source, *grid_, extent_.outside,
-               extent_.searchesFaces ? faceSearch_.vertexHashes() : 0);
+  const auto mesh = [&] {
+    mesh_.record(*commands_, source, *grid_, extent_.outside,
+                 extent_.searchesFaces ? faceSearch_.vertexHashes() : 0);
+  };
+  commands_->lockstep({mesh, [&] { surfaceTree_.recordClear(*commands_); }});
   hasSurfaceTree_ = hasRays_ = false;
 }
 
