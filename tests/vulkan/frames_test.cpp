@@ -339,7 +339,7 @@ TEST_F(VulkanFrames, TakeFewSteps) {
       EXPECT_FALSE(generator.status().error);
       return counter.commands().back().step + 1 - counter.commands().front().step;
     };
-    EXPECT_LE(stepsOf({}), 47U);
+    EXPECT_LE(stepsOf({}), 45U);
     EXPECT_LE(stepsOf({.distance = DistanceMode::Cell, .sign = SignMode::Rays}), 25U);
   }
   counter.stop();

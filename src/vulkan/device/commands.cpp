@@ -3,7 +3,6 @@
 #include <raymap/error.h>
 
 #include <algorithm>
-#include <cstddef>
 
 #include "base/ceil_div.h"
 #include "vulkan/device/dispatch_limits.h"
@@ -65,58 +64,47 @@ void Commands::dispatchBytes(ComputePipeline& kernel, const void* push, uint32_t
                                             " times, at most 2^32 can be numbered; use a lower resolution");
   const uint64_t mostRows = mostGroups / x;
   for (uint64_t row = 0; row < y; row += mostRows) {
-    const uint64_t rows = std::min(mostRows, y - row);
-    if (makeRoom(x * rows * kernel.groupSize() * weight) || row == 0) {
+    const uint64_t rows = std::min(mostRows, y - row), added = x * rows * kernel.groupSize() * weight;
+    if (makeRoom(added) || row == 0) {
       barrier();
       bind(kernel, push, pushBytes);
     }
-    add([=](VkCommandBuffer buffer) {
-      vkCmdDispatchBase(buffer, 0, static_cast<uint32_t>(row), 0, static_cast<uint32_t>(x),
-                        static_cast<uint32_t>(rows), 1);
-    });
+    if (!isDue()) return;
+    recorded_ += added;
+    vkCmdDispatchBase(buffer_, 0, static_cast<uint32_t>(row), 0, static_cast<uint32_t>(x),
+                      static_cast<uint32_t>(rows), 1);
   }
 }
 
 /// Returns whether recording continues in a new command buffer.
 bool Commands::makeRoom(uint64_t invocations) {
-  recorded_ += invocations;
-  if (!listener_ || isConcurrent_ || isLockstep_ || recorded_ <= kMostSubmitted) return false;
+  if (!listener_ || isConcurrent_ || step_ > 0 || recorded_ + invocations <= kMostSubmitted) return false;
   listener_->onMuchWork();
-  recorded_ = invocations;
+  recorded_ = 0;
   return true;
 }
 
 void Commands::dispatchIndirectBytes(ComputePipeline& kernel, const void* push, uint32_t pushBytes,
                                      const DeviceBuffer& arguments, VkDeviceSize offset) {
   bind(kernel, push, pushBytes);
-  add([from = arguments.handle(), first = arguments.offset() + offset](VkCommandBuffer buffer) {
-    vkCmdDispatchIndirect(buffer, from, first);
-  });
+  if (isDue()) vkCmdDispatchIndirect(buffer_, arguments.handle(), arguments.offset() + offset);
 }
 
 void Commands::bind(ComputePipeline& kernel, const void* push, uint32_t pushBytes) {
-  const auto* first = static_cast<const std::byte*>(push);
-  add([pipeline = kernel.handle(), layout = layout_,
-       bytes = std::vector<std::byte>(first, first + pushBytes)](VkCommandBuffer buffer) {
-    vkCmdBindPipeline(buffer, VK_PIPELINE_BIND_POINT_COMPUTE, pipeline);
-    vkCmdPushConstants(buffer, layout, VK_SHADER_STAGE_COMPUTE_BIT, 0, static_cast<uint32_t>(bytes.size()),
-                       bytes.data());
-  });
+  if (!isDue()) return;
+  vkCmdBindPipeline(buffer_, VK_PIPELINE_BIND_POINT_COMPUTE, kernel.handle());
+  vkCmdPushConstants(buffer_, layout_, VK_SHADER_STAGE_COMPUTE_BIT, 0, pushBytes, push);
 }
 
 void Commands::fill(VkBuffer filled, VkDeviceSize offset, VkDeviceSize bytes, uint32_t value) {
   if (bytes == 0) return;
   barrier();
-  add([=](VkCommandBuffer buffer) { vkCmdFillBuffer(buffer, filled, offset, bytes, value); });
+  if (isDue()) vkCmdFillBuffer(buffer_, filled, offset, bytes, value);
 }
 
 void Commands::updateBytes(const DeviceBuffer& buffer, const void* bytes, uint32_t size) {
   barrier();
-  const auto* first = static_cast<const std::byte*>(bytes);
-  add([to = buffer.handle(), offset = buffer.offset(),
-       values = std::vector<std::byte>(first, first + size)](VkCommandBuffer commands) {
-    vkCmdUpdateBuffer(commands, to, offset, values.size(), values.data());
-  });
+  if (isDue()) vkCmdUpdateBuffer(buffer_, buffer.handle(), buffer.offset(), size, bytes);
 }
 
 void Commands::copy(const DeviceBuffer& from, VkBuffer to, VkDeviceSize offset, VkDeviceSize bytes,
@@ -124,9 +112,7 @@ void Commands::copy(const DeviceBuffer& from, VkBuffer to, VkDeviceSize offset, 
   if (bytes == 0) return;
   barrier();
   const VkBufferCopy region{.srcOffset = from.offset() + first, .dstOffset = offset, .size = bytes};
-  add([to, region, source = from.handle()](VkCommandBuffer buffer) {
-    vkCmdCopyBuffer(buffer, source, to, 1, &region);
-  });
+  if (isDue()) vkCmdCopyBuffer(buffer_, from.handle(), to, 1, &region);
 }
 
 void Commands::copy(const DeviceBuffer& from, VkImage to, const VkExtent3D& extent) {
@@ -135,30 +121,30 @@ void Commands::copy(const DeviceBuffer& from, VkImage to, const VkExtent3D& exte
       .bufferOffset = from.offset(),
       .imageSubresource = {.aspectMask = VK_IMAGE_ASPECT_COLOR_BIT, .layerCount = 1},
       .imageExtent = extent};
-  add([to, region, source = from.handle()](VkCommandBuffer buffer) {
-    vkCmdCopyBufferToImage(buffer, source, to, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &region);
-  });
+  if (!isDue()) return;
+  vkCmdCopyBufferToImage(buffer_, from.handle(), to, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &region);
 }
 
 void Commands::lockstep(std::initializer_list<std::function<void()>> chains) {
-  isLockstep_ = true;
-  for (const std::function<void()>& chain : chains) {
-    stepsOfChain_ = 0;
-    chain();
-  }
-  isLockstep_ = false;
-  for (const std::vector<Deferred>& step : std::exchange(steps_, {})) {
+  size_t steps = 1;  // Of the longest chain.
+  for (size_t step = 1; step <= steps; ++step) {
     barrier();
-    for (const Deferred& command : step) command(buffer_);
+    step_ = step;
+    for (const std::function<void()>& chain : chains) {
+      stepOfChain_ = 0;
+      chain();
+      steps = std::max(steps, stepOfChain_);
+    }
+    step_ = stepOfChain_ = 0;
   }
 }
 
 void Commands::barrier() {
   if (isConcurrent_) return;
-  if (!isLockstep_)
+  if (step_ > 0)
+    ++stepOfChain_;
+  else
     barrierBetween(buffer_, kWork, kWrites, kWorkAndArguments, kWrites | kReads);
-  else if (++stepsOfChain_ > steps_.size())
-    steps_.emplace_back();
 }
 
 }  // namespace raymap::vulkan

@@ -3,7 +3,6 @@
 #include <functional>
 #include <initializer_list>
 #include <utility>
-#include <vector>
 
 #include "vulkan/device/buffer.h"
 #include "vulkan/device/kernel.h"
@@ -90,7 +89,8 @@ class Commands {
   }
 
   /// Records independent chains of commands: one barrier precedes the first steps of all, another one the
-  /// second ones, and so on. No chain may write memory that another one reads or writes.
+  /// second ones, and so on. No chain may write memory that another one reads or writes. Each is called once
+  /// for every step and must ask for the same commands each time.
   void lockstep(std::initializer_list<std::function<void()>> chains);
 
   /// Times what is recorded until `stopStage`. Stages do not nest.
@@ -102,16 +102,6 @@ class Commands {
   }
 
  private:
-  /// A command that waits for the commands of other chains.
-  using Deferred = std::function<void(VkCommandBuffer)>;
-
-  template <class Command>
-  void add(Command&& command) {
-    if (isLockstep_)
-      steps_.at(stepsOfChain_ - 1).emplace_back(std::forward<Command>(command));
-    else
-      command(buffer_);
-  }
   void dispatchBytes(ComputePipeline& kernel, const void* push, uint32_t pushBytes, uint64_t invocations,
                      uint64_t weight);
   void dispatchIndirectBytes(ComputePipeline& kernel, const void* push, uint32_t pushBytes,
@@ -120,6 +110,8 @@ class Commands {
   bool makeRoom(uint64_t invocations);
   void bind(ComputePipeline& kernel, const void* push, uint32_t pushBytes);
   void barrier();
+  /// Returns whether commands belong to the step that is being recorded.
+  bool isDue() const { return stepOfChain_ == step_; }
 
   VkCommandBuffer buffer_;
   VkPipelineLayout layout_;
@@ -127,9 +119,8 @@ class Commands {
   RecordingListener* listener_ = nullptr;
   uint64_t recorded_ = 0;  // Invocations in this command buffer, as far as the host knows them.
   bool isConcurrent_ = false;
-  bool isLockstep_ = false;
-  size_t stepsOfChain_ = 0;
-  std::vector<std::vector<Deferred>> steps_;  // Of all chains so far.
+  size_t step_ = 0;         // Step that is being recorded in lockstep, from 1 on.
+  size_t stepOfChain_ = 0;  // Step in lockstep that the next commands belong to.
 };
 
 }  // namespace raymap::vulkan

@@ -80,8 +80,11 @@ void StageRecorder::setResults(const Results& results) {
 }
 
 void StageRecorder::recordMesh(const CellMeshStage::Source& source) {
-  mesh_.record(*commands_, source, *grid_, extent_.outside,
-               extent_.searchesFaces ? faceSearch_.vertexHashes() : 0);
+  const auto mesh = [&] {
+    mesh_.record(*commands_, source, *grid_, extent_.outside,
+                 extent_.searchesFaces ? faceSearch_.vertexHashes() : 0);
+  };
+  commands_->lockstep({mesh, [&] { surfaceTree_.recordClear(*commands_); }});
   hasSurfaceTree_ = hasRays_ = false;
 }
 
@@ -100,7 +103,9 @@ void StageRecorder::recordWithRays(const std::function<void()>& chain) {
 }
 
 void StageRecorder::recordTreeWithRays() {
-  if (extent_.castsRaysFirst) recordWithRays([&] { surfaceTree(); });
+  if (!extent_.castsRaysFirst) return;
+  recordWithRays([&] { recordTree(); });
+  hasSurfaceTree_ = true;
 }
 
 void StageRecorder::recordExactDistance() {
@@ -109,7 +114,7 @@ void StageRecorder::recordExactDistance() {
 }
 
 const SurfaceTreeStage& StageRecorder::surfaceTree() {
-  if (!std::exchange(hasSurfaceTree_, true)) surfaceTree_.record(*commands_, mesh_.mesh(), extent_.dims);
+  if (!std::exchange(hasSurfaceTree_, true)) recordTree();
   return surfaceTree_;
 }
 

@@ -148,6 +148,7 @@ class StageRecorder {
   /// Returns the place of scratch memory from which on nothing holds rays.
   size_t reserveSign();
   void reserveCells();
+  void recordTree() { surfaceTree_.record(*commands_, mesh_.mesh(), extent_.dims); }
   bool isRaster() const { return extent_.distance == DistanceMode::Raster; }
   /// Records what only needs the mesh: `chain`, and beside it the rays and the search for faces, if rays come
   /// first.

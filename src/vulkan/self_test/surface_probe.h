@@ -64,6 +64,7 @@ class SurfaceProbe : public Probe {
     const UploadedMesh uploaded = upload(mesh);
     tree_.reserve(uploaded.addresses().triangleCount);
     run([&](Commands& commands) {
+      tree_.recordClear(commands);
       tree_.record(commands, uploaded.addresses(), mesh.dims);
       record(commands, tree_);
     });

@@ -85,6 +85,7 @@ void CloseHolesStage::recordDistance(Commands& commands, const HolePatch& patch,
                             .vertexCount = static_cast<uint32_t>(mesh.vertices.size()),
                             .triangleCount = static_cast<uint32_t>(patch.triangles.size())};
   patchTree_.reserve(onDevice.triangleCount);
+  patchTree_.recordClear(commands);
   patchTree_.record(commands, onDevice, mesh.dims);
   patchDistance_.reserve(mesh.dims);
   patchDistance_.record(commands, patchTree_, 0.0, fields, true);

@@ -113,10 +113,6 @@ void ExactDistanceStage::record(Commands& commands, const SurfaceTreeStage& tree
                          .band = static_cast<float>(band),
                          .tolerance = 1e-7f * glm::length(glm::vec3(dims_)),
                          .isAddition = isAddition ? 1U : 0U};
-  commands.concurrent([&] {
-    commands.fill(heavy_.handle(), heavy_.offset(), sizeof(uint32_t), 0);
-    if (hasShortLoops_) commands.fill(left_.handle(), left_.offset(), sizeof(uint32_t), 0);
-  });
   for (uint32_t level = 0; level <= kSmallest; ++level) {
     push.side = kSides[level];
     push.parents = level > 0 ? lists_[level - 1].address() : 0;

@@ -1,5 +1,6 @@
 // Finds for each block the triangle closest to its centre, and lists nodes with every triangle that may be
-// closest to some sample in it. The nodes come from the list of the block above.
+// closest to some sample in it. The nodes come from the list of the block above. Also empties the lists of heavy
+// blocks and of samples that are left.
 #include "vulkan/device/kernel.glsl"
 #include "vulkan/device/subgroups.glsl"
 #include "vulkan/stages/exact_distance.glsl"
@@ -56,4 +57,7 @@ void main() {
   if (lane() != 0) return;
   push.lists.at[index * kListWords] = listed + size;
   push.lists.at[index * kListWords + 1] = closest;
+  if (index > 0) return;
+  push.heavy.at[0] = 0;
+  if (uint64_t(push.left) != 0) push.left.at[0] = 0;
 }

@@ -16,7 +16,8 @@ namespace raymap::vulkan {
 
 namespace {
 
-constexpr uint32_t kRun = 512;  // Triangles of the curve that one group reorders.
+constexpr uint32_t kRun = 512;         // Triangles of the curve that one group reorders.
+constexpr uint32_t kLevelGroup = 256;  // Most nodes of a level that one group does, with all above.
 constexpr uint32_t kMostTriangles = uint32_t{1} << 29;
 
 /// Returns the bits of the keys by which triangles are sorted. Runs of the curve are ordered anew, so that
@@ -51,7 +52,8 @@ SurfaceTreeStage::SurfaceTreeStage(Device& device, int32_t rootError)
       order_(device, shaders::kSurfaceTreeOrder, kRun / 2, {kRun}),
       leaves_(device, shaders::kSurfaceTreeLeaves, kGroup,
               {kGroup / kTreeArity, static_cast<uint32_t>(rootError)}),
-      level_(device, shaders::kSurfaceTreeLevel, kGroup, {kGroup, static_cast<uint32_t>(rootError)}),
+      level_(device, shaders::kSurfaceTreeLevel, kLevelGroup,
+             {kLevelGroup, static_cast<uint32_t>(rootError)}),
       sort_(device),
       meshBounds_(device, "bounds of the mesh"),
       sortKeys_{DeviceBuffer(device, "keys of triangles"), DeviceBuffer(device, "other keys of triangles")},
@@ -109,7 +111,6 @@ void SurfaceTreeStage::record(Commands& commands, const DeviceMesh& mesh, const 
                        .levelStart = levels_[0].start,
                        .levelCount = levels_[0].count,
                        .keyBits = keyBitsFor(mesh.triangleCount)};
-  commands.fill(meshBounds_, UINT32_MAX);
   commands.dispatch(bounds_, push, ceilDiv(mesh.vertexCount, kVerticesEach));
   commands.dispatch(keys_, push, mesh.triangleCount);
   push.order =
@@ -124,7 +125,7 @@ void SurfaceTreeStage::record(Commands& commands, const DeviceMesh& mesh, const 
     push.levelCount = levels_[level].count;
     push.levelBelowCount = levels_[level - 1].count;
     commands.dispatch(level_, push, roundUp(push.levelCount));
-    if (push.levelCount <= kGroup) break;  // One group does the levels above, too.
+    if (push.levelCount <= kLevelGroup) break;  // One group does the levels above, too.
   }
 }
 

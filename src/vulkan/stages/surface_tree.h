@@ -31,6 +31,8 @@ class SurfaceTreeStage {
   /// Returns the bytes that `reserve` takes, without the sort's bins: less than a byte per triangle.
   /// UINT64_MAX if no tree can have so many.
   static uint64_t bytesNeeded(uint64_t triangles);
+  /// Clears the bounds of the mesh, once before each `record`. A step less where it runs beside others.
+  void recordClear(Commands& commands) const { commands.fill(meshBounds_, UINT32_MAX); }
   /// Records the stage. The mesh must have at most as many triangles as were reserved.
   void record(Commands& commands, const DeviceMesh& mesh, const glm::ivec3& dims);
 
