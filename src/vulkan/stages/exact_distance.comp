@@ -22,13 +22,16 @@ shared uint waiting[kMaxSubgroups * kMostWaiting];
 shared vec4 planes[kMaxSubgroups * kMostWaiting];
 shared uint nearestWaiting[kMaxSubgroups * 8];
 uint waitingCount = 0;
-bool hasLeaves = false;
+bool hasLeaves = false;  // Whether this lane queued one; in octants, whether any lane did.
 
 uint waitingAt(uint place) {
   return gl_SubgroupID * kMostWaiting + place;
 }
 
-// Triangles that may win in an octant, then leaves, lie where searches have the stack's bounds.
+// Triangles that may win in an octant, then leaves, then the limits of all samples lie where searches have the stack's
+// bounds.
+const uint kLimits = 2 * kMostWaiting;
+
 uint forOctant(uint place) {
   return onStack(place);
 }
@@ -122,11 +125,12 @@ void findNearest() {
   shareWithSubgroup();
 }
 
-// Measures for each sample what may come closest to its octant's centre.
+// Measures for each sample what may come closest to its octant's centre. The distance so far is its limit.
 void measureNearest(Block block) {
   for (uint s = lane(); s < kBlockSamples; s += gl_SubgroupSize) {
     const vec3 p = samplePlace(block, s);
-    const uint o = s >> 1 & 1 | s >> 2 & 2 | s >> 3 & 4, entry = nearestWaiting[gl_SubgroupID * 8 + o];
+    const uint o = s >> 1 & 1 | s >> 2 & 2 | s >> 3 & 4, k = s & 1 | s >> 1 & 2 | s >> 2 & 4;
+    const uint entry = nearestWaiting[gl_SubgroupID * 8 + o];
     const bool isWhole = (entry & kLeafBit) != 0;
     const uint first = isWhole ? firstTriangleOf(entry & ~kLeafBit) : entry, end = first + (isWhole ? kTreeArity : 1);
     Closest closest = readSample(s);
@@ -135,16 +139,19 @@ void measureNearest(Block block) {
       if (squared < closest.squared) closest = Closest(squared, triangle);
     }
     keepSample(s, closest);
+    stackBounds[forOctant(kLimits + 8 * o + k)] = floatBitsToUint(limitOf(closest.squared));
     work += kTreeArity;
   }
   shareWithSubgroup();
 }
 
-// Returns the distances so far, minus the tolerance, of an octant's samples.
-Corners octantCorners(Octant octant) {
-  for (uint k = lane(); k < 8; k += gl_SubgroupSize)
-    keepCorner(k, readSample(octantSample(octant, cornerOf(k))).squared);
-  return readCorners();
+// Returns the limits of an octant's samples.
+Corners octantLimits(uint o) {
+  const uint first = forOctant(kLimits + 8 * o);
+  return Corners(uintBitsToFloat(uvec4(stackBounds[first], stackBounds[first + 1], stackBounds[first + 2],
+                                       stackBounds[first + 3])),
+                 uintBitsToFloat(uvec4(stackBounds[first + 4], stackBounds[first + 5], stackBounds[first + 6],
+                                       stackBounds[first + 7])));
 }
 
 // Lists each lane's triangle or leaf for the octant, from place `first` on, if it may win.
@@ -199,7 +206,7 @@ void measureOctants(Block block) {
   for (uint o = 0; o < 8; ++o) {
     if (any(greaterThanEqual(block.low + 2 * cornerOf(o), block.high))) continue;
     const Octant octant = octantOf(block, o);
-    const Corners corners = octantCorners(octant);
+    const Corners corners = octantLimits(o);
     uint count = 0, leaves = 0;
     listOctant(octant, corners, count, leaves);
     do {
@@ -211,7 +218,7 @@ void measureOctants(Block block) {
 }
 
 void measureWaiting(Block block) {
-  shareWithSubgroup();
+  hasLeaves = subgroupBallotBitCount(subgroupBallot(hasLeaves)) > 0;
   const bool areFew = waitingCount <= kFewTriangles && !hasLeaves;
   measureTogether(block, areFew ? waitingCount : 0);
   if (!areFew) measureOctants(block);
@@ -224,42 +231,28 @@ bool hasRoom() {
   return waitingCount + max(gl_SubgroupSize, kTreeArity) <= kMostWaiting;
 }
 
-// Queues each lane's triangle or leaf, if it waits.
-void queue(bool waits, uint entry, Tangent t) {
-  const uvec4 all = subgroupBallot(waits);
-  const uint place = waitingAt(waitingCount + subgroupBallotExclusiveBitCount(all));
+// Of each lane's triangle or node that may win, queues triangles and small leaves, and pushes other nodes on the stack.
+void offer(Block block, Corners corners, bool isTriangle, bool isNode, uint index, inout uint size) {
+  Tangent t = Tangent(kLargestFloat, vec3(0));
+  bool isWhole = false;
+  if (isTriangle) t = tangentOf(readTriangle(push.frames, index), block.centre);
+  if (isNode) {
+    const Disc disc = readDisc(push.discs, index);
+    if (disc.radius >= 0) t = tangentOf(disc, block.centre);
+    isWhole = isLeaf(index) && disc.radius <= kWholeLeaf;
+  }
+  const bool survives = mayWin(t, block, corners), waits = survives && (isTriangle || isWhole);
+  const uvec4 waiters = subgroupBallot(waits), open = subgroupBallot(survives && !waits);
   if (waits) {
-    waiting[place] = entry;
+    const uint place = waitingAt(waitingCount + subgroupBallotExclusiveBitCount(waiters));
+    waiting[place] = isWhole ? index | kLeafBit : index;
     planes[place] = vec4(t.g, t.d);
+  } else if (survives) {
+    stackNodes[onStack(size + subgroupBallotExclusiveBitCount(open))] = index;
   }
-  waitingCount += subgroupBallotBitCount(all);
-}
-
-// Queues each lane's triangle if it may win.
-void offerTriangles(Block block, Corners corners, bool isOffered, uint triangle) {
-  Tangent t;
-  bool survives = false;
-  if (isOffered) {
-    t = tangentOf(readTriangle(push.frames, triangle), block.centre);
-    survives = mayWin(t, block, corners);
-  }
-  queue(survives, triangle, t);
-}
-
-// If it may win, queues each lane's node if it is a small leaf, else pushes it on the stack.
-void offerNodes(Block block, Corners corners, bool isOffered, uint node, inout uint size) {
-  bool survives = false, isWhole = false;
-  Tangent t;
-  if (isOffered) {
-    const Disc disc = readDisc(push.discs, node);
-    t = tangentOf(disc, block.centre);
-    survives = disc.radius >= 0 && mayWin(t, block, corners);
-    isWhole = isLeaf(node) && disc.radius <= kWholeLeaf;
-  }
-  const uint before = waitingCount;
-  queue(survives && isWhole, node | kLeafBit, t);
-  hasLeaves = hasLeaves || waitingCount > before;
-  pushNodes(size, survives && !isWhole, node, 0);
+  waitingCount += subgroupBallotBitCount(waiters);
+  size += subgroupBallotBitCount(open);
+  hasLeaves = hasLeaves || survives && isWhole;
 }
 
 // Takes nodes from the list, then from the stack, until the queues might overflow.
@@ -268,17 +261,16 @@ void fillWaiting(Block block, Corners corners, uint dominating, List list, inout
     const bool isFromList = next < list.count;
     const uint taken = isFromList ? 0 : min(size, openable(size));
     size -= taken;
-    const uint parent = parentAbove(size);
+    const uint parent = parentAbove(size), listed = next + lane();
     const bool isTaken = parentOfLane() < taken, hasTriangles = isTaken && isLeaf(parent);
-    const bool isListed = isFromList && next + lane() < list.count;
     shareWithSubgroup();
     for (uint child = childOfLane(); child < kTreeArity; child += gl_SubgroupSize) {
-      const uint triangle = firstTriangleOf(parent) + child;
-      offerTriangles(block, corners, hasTriangles && triangle != dominating, triangle);
-      const uint node = isListed ? listedNode(list, next + lane()) : firstChildOf(parent) + child;
-      const bool isFirst = child == childOfLane();
-      offerNodes(block, corners, isListed ? isFirst : isTaken && !hasTriangles, node, size);
+      const uint below = (hasTriangles ? firstTriangleOf(parent) : firstChildOf(parent)) + child;
+      const bool isListed = isFromList && listed < list.count && child == childOfLane();
+      offer(block, corners, hasTriangles && below != dominating, isListed || isTaken && !hasTriangles,
+            isFromList ? listedNode(list, listed) : below, size);
     }
+    shareWithSubgroup();
     if (isFromList) next += gl_SubgroupSize;
     work += 4;
   }

@@ -72,14 +72,14 @@ uint firstChildOf(uint node) {
   return node * kTreeArity + 1;
 }
 
-// Samples of a block, inside the grid.
+// Samples of a block, inside the grid. Its side is a power of two.
 struct Block {
   uvec3 low, high;  // [low, high).
   vec3 centre, reach;
 };
 
 uvec3 blocksAlong(uint side) {
-  return (push.dims + (side - 1)) / side;
+  return (push.dims + (side - 1)) >> findLSB(side);
 }
 
 Block blockFrom(uvec3 low, uvec3 high) {
@@ -176,7 +176,7 @@ struct List {
 
 List listAbove(uvec3 place) {
   if (uint64_t(push.parents) == 0) return List(0, 1, 0);
-  const uvec3 above = place / push.blocksPerParent, counts = blocksAlong(push.side * push.blocksPerParent);
+  const uvec3 above = place >> findLSB(push.blocksPerParent), counts = blocksAlong(push.side * push.blocksPerParent);
   const uint at = indexOf(above, counts) * kListWords;
   return List(at + 2, push.parents.at[at], push.parents.at[at + 1]);
 }
@@ -223,27 +223,22 @@ struct Corners {
   vec4 low, high;
 };
 
-void keepCorner(uint corner, float squared) {
+float limitOf(float squared) {
   squared = max(squared, 1e-30);
-  cornerDistances[gl_SubgroupID * 8 + corner] = squared * inverseRoot(squared) - push.tolerance;
+  return squared * inverseRoot(squared) - push.tolerance;
 }
 
-// Returns what lanes kept.
-Corners readCorners() {
+Corners measureCorners(uint triangle, Block block) {
+  for (uint corner = lane(); corner < 8; corner += gl_SubgroupSize) {
+    const vec3 sign = 2 * vec3(corner & 1, corner >> 1 & 1, corner >> 2) - 1, at = block.centre + sign * block.reach;
+    cornerDistances[gl_SubgroupID * 8 + corner] = limitOf(squaredDistance(readTriangle(push.frames, triangle), at));
+  }
   shareWithSubgroup();
   const uint first = gl_SubgroupID * 8;
   return Corners(vec4(cornerDistances[first], cornerDistances[first + 1], cornerDistances[first + 2],
                       cornerDistances[first + 3]),
                  vec4(cornerDistances[first + 4], cornerDistances[first + 5], cornerDistances[first + 6],
                       cornerDistances[first + 7]));
-}
-
-Corners measureCorners(uint triangle, Block block) {
-  for (uint corner = lane(); corner < 8; corner += gl_SubgroupSize) {
-    const vec3 sign = 2 * vec3(corner & 1, corner >> 1 & 1, corner >> 2) - 1;
-    keepCorner(corner, squaredDistance(readTriangle(push.frames, triangle), block.centre + sign * block.reach));
-  }
-  return readCorners();
 }
 
 // Returns what a gradient adds at the corners (-1, -1), (1, -1), (-1, 1) and (1, 1) of x and y.

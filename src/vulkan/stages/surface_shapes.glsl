@@ -24,8 +24,8 @@ Disc discOutOfReach() {
 }
 
 Triangle readTriangle(Vec4s frames, uint index) {
-  const vec4 a = frames.at[index * kFrameVectors], x = frames.at[index * kFrameVectors + 1];
-  const vec4 y = frames.at[index * kFrameVectors + 2], rest = frames.at[index * kFrameVectors + 3];
+  const uint at = index * kFrameVectors;
+  const vec4 a = frames.at[at], x = frames.at[at + 1], y = frames.at[at + 2], rest = frames.at[at + 3];
   return Triangle(a.xyz, x.xyz, y.xyz, cross(x.xyz, y.xyz), a.w, x.w, y.w, rest.x, rest.y);
 }
 
