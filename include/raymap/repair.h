@@ -163,7 +163,7 @@ struct RepairReport {
   /// the union could be kept. 0 also if no face was, but parts in others went.
   size_t unitedFaces = 0;
   size_t sewnVertices = 0;  ///< Number of vertices that were joined to others across cracks.
-  /// Number of vertices that were moved, by at most 3e-5 of the mesh's size, so that no faces cross once
+  /// Number of vertices that were moved, by at most 1.3e-4 of the mesh's size, so that no faces cross once
   /// they are rounded.
   size_t movedVertices = 0;
   size_t closedHoles = 0;       ///< Number of holes that faces were added to close, before anything else.

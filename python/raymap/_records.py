@@ -495,7 +495,7 @@ class RepairReport(TypedDict):
     sewn_vertices: int
     """Number of vertices that were joined to others across cracks."""
     moved_vertices: int
-    """Number of vertices that were moved, by at most 3e-5 of the mesh's size, so that no faces cross once they are
+    """Number of vertices that were moved, by at most 1.3e-4 of the mesh's size, so that no faces cross once they are
     rounded."""
     closed_holes: int
     """Number of holes that faces were added to close, before anything else."""

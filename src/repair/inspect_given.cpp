@@ -21,11 +21,12 @@ namespace {
 void warnOfSheet(const Diagnostics& found, const RepairOptions& repair, const WarningCallback& warn) {
   const Verdict verdict = judge(found, {});
   if (verdict.remedy != Remedy::Thicken || repair.base || repair.minThickness) return;
-  warn({WarningCode::Sheet,
-        "the mesh is a sheet, an open surface without a definite inside, so the solid is a guess; give it a "
-        "thickness, such as " +
-            numberText(verdict.thickness, 3) + ", or join its rim to a flat base",
-        {.length = verdict.thickness}});
+  warn(
+      {WarningCode::Sheet,
+       "the mesh is a sheet, an open surface without a definite inside, so its thickness is a guess; give it "
+       "one, such as " +
+           numberText(verdict.thickness, 3) + ", or join its rim to a flat base",
+       {.length = verdict.thickness}});
 }
 
 bool asksForChange(const RepairOptions& repair) {
@@ -109,6 +110,9 @@ void keepUnited(RepairRun& run) {
   run.report.sewnVertices = united.sewnVertices;
   run.report.movedVertices = united.movedVertices;
   run.report.buriedShare = united.buriedShare;
+  run.report.lostShare = run.report.loss.openShare = united.lostShare;
+  run.report.loss.openBounds = united.lostBounds;
+  warnOfLoss(run.report.loss, run.options, run.machine.warn);
   if ((run.report.thickenedShare = united.thickenedShare) > 0.0)
     run.report.leastThickness = leastThickness(run.options, run.grid);
   run.report.stats.invertedParts = std::move(united.inverted.firsts);

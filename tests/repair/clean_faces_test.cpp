@@ -1,6 +1,7 @@
 #include "repair/topology/clean_faces.h"
 
 #include <gtest/gtest.h>
+#include <raymap/diagnostics.h>
 #include <raymap/repair.h>
 
 #include <cmath>
@@ -100,6 +101,22 @@ TEST(CleanFaces, WeldsTheEndsOfATinyEdge) {
   expectRight(cleaned, 8.0);
   EXPECT_EQ(cleaned.count, 3u);  // The two at the tiny edge, and the flat one.
   EXPECT_EQ(cleaned.mesh.vertices.size(), box.mesh.vertices.size() - 1);
+}
+
+TEST(CleanFaces, WeldsWhatRoundingMayJoin) {
+  // A small roof whose ridge is 1.2e-7 of the mesh long, or 2e-7. Its faces are sound.
+  const Mesh box = shapes::box({2, 0, 0}, {3, 1, 1});
+  for (const float ridge : {3.6e-7F, 6e-7F}) {
+    const Mesh roof{
+        .vertices = {{-0.01F, 0, 0}, {0.01F, -0.01F, 0}, {0.01F, 0.01F, 0}, {0, 0, 0.01F}, {ridge, 0, 0.01F}},
+        .triangles = {{0, 2, 1}, {0, 1, 3}, {3, 1, 4}, {4, 1, 2}, {4, 2, 3}, {3, 2, 0}}};
+    ASSERT_EQ(diagnose(roof).degenerateFaces, 0u);
+    const Mesh mesh = shapes::joined(box, roof);
+    EXPECT_EQ(cleanFaces(Model(mesh)).count, 0u);
+    const CleanedFaces cleaned = cleanFaces(Model(mesh), Cleaning::Rounded);
+    EXPECT_EQ(cleaned.count, ridge < 4e-7F ? 2u : 0u);
+    EXPECT_TRUE(diagnose(cleaned.mesh).watertight);
+  }
 }
 
 TEST(CleanFaces, LeavesOutTheFlapThatAFlipLeaves) {

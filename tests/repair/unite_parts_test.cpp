@@ -80,7 +80,7 @@ Mesh wallOfBoxes(uint32_t seed) {
 
 TEST(UniteParts, UnitesWallsThatLieAlmostInOnePlane) {
   size_t moved = 0;
-  for (uint32_t seed = 0; seed < 8; ++seed) {
+  for (uint32_t seed = 8; seed < 24; ++seed) {
     const UnitedParts united = uniteParts(Model(wallOfBoxes(seed)));
     ASSERT_EQ(united.failure, FieldReason::None) << seed;
     const Diagnostics found = diagnose(united.mesh);
@@ -247,6 +247,13 @@ TEST(UniteParts, TurnsFacesBackBesideASheetWhoseHalvesContradictEachOther) {
   EXPECT_NEAR(diagnose(united.mesh).signedVolume, 15.0 + 0.1, 1e-5);
 }
 
+/// Returns a sheet of these quads.
+Mesh quads(const std::vector<glm::dvec3>& corners, const std::vector<glm::uvec4>& faces) {
+  std::vector<glm::uvec3> triangles;
+  for (const glm::uvec4& q : faces) triangles.insert(triangles.end(), {{q.x, q.y, q.z}, {q.x, q.z, q.w}});
+  return makeMesh(corners, triangles);
+}
+
 TEST(UniteParts, KeepsFacesBesideFewThatContradictEachOther) {
   // Half of the faces of a tetrahedron contradict the other half. Nobody can tell which are right.
   const auto withTetrahedron = [](float size) {
@@ -264,6 +271,24 @@ TEST(UniteParts, KeepsFacesBesideFewThatContradictEachOther) {
     for (int c = 0; c < 3; ++c)
       ASSERT_EQ(united.mesh.position(united.mesh.triangles[f][c]), ball.position(ball.triangles[f][c]));
   EXPECT_EQ(uniteParts(Model(withTetrahedron(1.0F)), InsideOut::Turned, true).failure, FieldReason::Open);
+  // A wide hole elsewhere is closed as if there were no such faces.
+  Mesh open = withTetrahedron(0.02F);
+  std::erase_if(open.triangles, [&](const glm::uvec3& t) { return open.position(t.x).z < -0.8; });
+  const UnitedParts closed = uniteParts(Model(open), InsideOut::Turned, true);
+  ASSERT_EQ(closed.failure, FieldReason::None);
+  EXPECT_TRUE(isAllRight(Model(closed.mesh)));
+  EXPECT_GT(diagnose(open).holes[0].area, 0.05 * diagnose(open).area);
+}
+
+TEST(UniteParts, LeavesOutFacesWhoseCornersCracksJoin) {
+  // A sheet with a waist narrower than cracks.
+  const Mesh sheet = quads({{2, 0, 0}, {3, 0, 0}, {2.5005, 1, 0}, {2.4995, 1, 0}, {3, 2, 0}, {2, 2, 0}},
+                           {{0, 1, 2, 3}, {3, 2, 4, 5}});
+  const UnitedParts united = uniteParts(Model(sheet), InsideOut::Turned, true, 0.1);
+  ASSERT_EQ(united.failure, FieldReason::None);
+  EXPECT_TRUE(isAllRight(Model(united.mesh)));
+  EXPECT_EQ(united.sewnVertices, 1u);
+  EXPECT_NEAR(diagnose(united.mesh).signedVolume, 0.1, 0.01);
 }
 
 TEST(UniteParts, ClosesHolesThatEndAtEdgesOfThreeFaces) {
@@ -306,13 +331,6 @@ void expectPlates(const Mesh& sheets, double area, double volume) {
     }
   }
   EXPECT_EQ(std::ranges::count(isThere, 1), ptrdiff_t(isThere.size()));
-}
-
-/// Returns a sheet of these quads.
-Mesh quads(const std::vector<glm::dvec3>& corners, const std::vector<glm::uvec4>& faces) {
-  std::vector<glm::uvec3> triangles;
-  for (const glm::uvec4& q : faces) triangles.insert(triangles.end(), {{q.x, q.y, q.z}, {q.x, q.z, q.w}});
-  return makeMesh(corners, triangles);
 }
 
 TEST(UniteParts, MakesPlatesOfSheets) {
@@ -487,6 +505,15 @@ TEST(UniteParts, MakesPlatesOfSheetsWithBothSides) {
               cornersOf(mesh, mesh.triangles[united.sources[f]]));
   }
   EXPECT_EQ(uniteParts(Model(mesh), InsideOut::Turned, true, 0.0).failure, FieldReason::Sheet);
+  EXPECT_EQ(united.lostShare, 0.0);
+  // A small one is left out if it cannot become a plate.
+  const Mesh scale = quads({{3, 0, 0}, {3.25, 0, 0}, {3.25, 0.4, 0}, {3, 0.4, 0}}, {{0, 1, 2, 3}});
+  const UnitedParts without =
+      uniteParts(Model(join({box, scale, shapes::inverted(scale)})), InsideOut::Turned, true, 0.0);
+  ASSERT_EQ(without.failure, FieldReason::None);
+  EXPECT_EQ(without.mesh.triangles.size(), box.triangles.size());
+  EXPECT_NEAR(without.lostShare, 0.2 / 24.2, 1e-6);
+  EXPECT_EQ(without.lostBounds, (Box{{3, 0, 0}, {3.25, 0.4F, 0}}));
   // A wall between two solids is no sheet.
   expectUnion(join({box, shapes::box({2, 0, 0}, {3, 2, 2})}), 12.0, 32.0);
 }

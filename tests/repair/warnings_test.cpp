@@ -39,7 +39,8 @@ TEST(RepairWarnings, TellOfSheets) {
   const auto warning = onlyWarning(WarningCode::Sheet, mesh, {}, grid);
   ASSERT_TRUE(warning.has_value());
   EXPECT_EQ(warning->fields.length, 0.2);
-  EXPECT_NE(warning->message.find("give it a thickness, such as 0.2, or join its rim to a flat base"),
+  EXPECT_NE(warning->message.find(
+                "its thickness is a guess; give it one, such as 0.2, or join its rim to a flat base"),
             std::string::npos);
   EXPECT_FALSE(onlyWarning(WarningCode::Sheet, mesh, {.minThickness = 1.2}, grid));
   EXPECT_FALSE(onlyWarning(WarningCode::Sheet, mesh, {.base = -1.0}, grid));

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <map>
+#include <numeric>
 #include <optional>
 #include <utility>
 
@@ -130,15 +131,13 @@ std::vector<uint32_t> degenerateFaces(const Model& mesh) {
   return faces;
 }
 
-/// Welds the ends of short edges of degenerate faces. Returns whether there were any.
-bool weldShortEdges(CleanedFaces& cleaned, const std::vector<uint32_t>& degenerate, bool areRounded) {
+/// Welds the ends of edges of faces that are shorter than `least`, or than a share of the longest edge of
+/// their face. Returns whether there were any.
+bool weldShortEdges(CleanedFaces& cleaned, const std::vector<uint32_t>& faces, double least, double share) {
   Mesh& mesh = cleaned.mesh;
-  const glm::dvec3 size = bounds(mesh).size();
-  const double least = areRounded ? kRoundedEdge * std::max({size.x, size.y, size.z}) : 0.0,
-               share = areRounded ? kShortRoundedEdge : kShortEdge;
   DisjointSets sets(mesh.vertices.size());
   bool isAny = false;
-  for (const uint32_t f : degenerate) {
+  for (const uint32_t f : faces) {
     const glm::uvec3& t = mesh.triangles[f];
     const EdgeLengths lengths = edgeLengths(mesh, t);
     if (lengths.shortLength >= std::max(least, share * lengths.longLength)) continue;
@@ -250,11 +249,20 @@ CleanedFaces cleanFaces(const Model& mesh, Cleaning how) {
   leaveOutFlat(cleaned);
   leaveOutRepeated(cleaned);
   leaveOutOtherSides(cleaned);
+  const glm::dvec3 sides = bounds(mesh).size();
+  const double size = areRounded ? std::max({sides.x, sides.y, sides.z}) : 0.0;
+  if (areRounded) {
+    std::vector<uint32_t> all(cleaned.given.size());
+    std::iota(all.begin(), all.end(), 0u);
+    weldShortEdges(cleaned, all, kMoved * size, 0.0);
+  }
   const int rounds = how == Cleaning::Repeated ? 0 : kMostRounds;
   for (int round = 0; round < rounds; ++round) {
     const std::vector<uint32_t> degenerate = degenerateFaces(Model(cleaned.mesh));
     if (degenerate.empty()) break;
-    if (!weldShortEdges(cleaned, degenerate, areRounded) && !flipLongEdges(cleaned, degenerate, areRounded))
+    if (!weldShortEdges(cleaned, degenerate, kRoundedEdge * size,
+                        areRounded ? kShortRoundedEdge : kShortEdge) &&
+        !flipLongEdges(cleaned, degenerate, areRounded))
       break;
   }
   if (areRounded) raiseDegenerate(cleaned.mesh);

@@ -28,9 +28,10 @@ enum class Cleaning : uint8_t {
 /// Leaves out faces with a repeated corner, repeated ones that close nothing, and the other side of faces
 /// that the surface around them needs once. Welds the ends of edges shorter than 1e-6 of the longest edge of
 /// a degenerate face. Flips the longest edge of the other degenerate faces, which moves no surface by more
-/// than their height, unless that leaves a degenerate face. If corners are rounded, welds edges of up to 1e-5
-/// of the longest, or of 1e-6 of the mesh, and flips edges between two degenerate faces, too: more faces go,
-/// but others may cross then. Faces that stay degenerate become just high enough.
+/// than their height, unless that leaves a degenerate face. If corners are rounded, welds edges of degenerate
+/// faces of up to 1e-5 of the longest, or of 1e-6 of the mesh, those of all faces of up to 1.5e-7 of it, and
+/// flips edges between two degenerate faces, too: more faces go, but others may cross then. Faces that stay
+/// degenerate become just high enough.
 CleanedFaces cleanFaces(const Model& mesh, Cleaning how = Cleaning::Degenerate);
 
 /// Returns the given faces of some faces of a cleaned mesh, ascending.

@@ -86,15 +86,36 @@ class RimFiller {
   std::vector<Part> best_;  // Best filling of the part from the first index to the second.
 };
 
+/// Moves the rims with an edge that faces use twice in one direction to the end. Returns the first of them.
+std::vector<Rim>::iterator moveTwisted(std::vector<Rim>& rims) {
+  std::vector<std::pair<uint32_t, uint32_t>> edges, twice;
+  for (const Rim& rim : rims)
+    for (const BorderEdge& edge : rim) edges.emplace_back(edge.from, edge.to);
+  std::ranges::sort(edges);
+  for (size_t e = 1; e < edges.size(); ++e)
+    if (edges[e] == edges[e - 1]) twice.push_back(edges[e]);
+  return std::stable_partition(rims.begin(), rims.end(), [&](const Rim& rim) {
+    return std::ranges::none_of(rim, [&](const BorderEdge& edge) {
+      return std::ranges::binary_search(twice, std::pair(edge.from, edge.to));
+    });
+  });
+}
+
 }  // namespace
 
 FilledHoles fillHoles(Mesh& mesh) {
-  const Rims rims = findRims(mesh, BorderEdges::Unbalanced);
+  std::vector<Rim> rims = findRims(mesh, BorderEdges::Unbalanced).closed;
   const auto canFill = [](const Rim& rim) { return rim.size() >= 3 && rim.size() <= kMostEdges; };
-  if (!std::ranges::all_of(rims.closed, canFill)) return {};
-  const size_t before = mesh.triangles.size();
-  for (const Rim& rim : rims.closed) RimFiller(mesh, rim).append(mesh.triangles);
-  return {rims.closed.size(), mesh.triangles.size() - before};
+  if (!std::ranges::all_of(rims, canFill)) return {};
+  using Place = std::vector<Rim>::const_iterator;
+  const auto fill = [&](Place first, Place last) {
+    const size_t before = mesh.triangles.size();
+    for (Place rim = first; rim != last; ++rim) RimFiller(mesh, *rim).append(mesh.triangles);
+    return mesh.triangles.size() - before;
+  };
+  const Place twisted = moveTwisted(rims);
+  const size_t faces = fill(rims.begin(), twisted), twistedFaces = fill(twisted, rims.end());
+  return {rims.size(), faces + twistedFaces, twistedFaces};
 }
 
 }  // namespace raymap

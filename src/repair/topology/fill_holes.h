@@ -9,6 +9,7 @@ namespace raymap {
 /// Number of holes that were filled, and of the faces that fill them.
 struct FilledHoles {
   size_t holes = 0, faces = 0;
+  size_t twistedFaces = 0;  ///< The last of them, in holes at edges where faces contradict each other.
 };
 
 /// Appends faces that close all holes of a mesh whose equal positions are one vertex. Each hole gets the

@@ -16,7 +16,7 @@ namespace raymap {
 namespace {
 
 /// Unites a mesh until no faces cross. Degenerate faces may stay with `keepsNeedles`. Returns the faces of
-/// the mesh whose parts crossed others after the first round, if it does not end.
+/// the mesh whose parts crossed others first, if it does not end.
 std::vector<uint32_t> settle(const Mesh& closed, bool mayTurn, bool keepsNeedles, SettledUnion& settled) {
   constexpr int kMostRounds = 4;        // New vertices are rounded, so that faces may cross again.
   constexpr double kSameVolume = 1e-3;  // Share of the volume that rounding and cleaning may change.
@@ -41,7 +41,7 @@ std::vector<uint32_t> settle(const Mesh& closed, bool mayTurn, bool keepsNeedles
     if (!keepsNeedles) raiseDegenerate(settled.mesh);
     SelfIntersections crossing;
     if (!isAllRight(Model(settled.mesh), &crossing, keepsNeedles)) {
-      if (round == 0) crossed = facesOf(crossing.faces, settled.sources);
+      if (crossed.empty()) crossed = facesOf(crossing.faces, settled.sources);
       if (crossing.pairs > pairs) break;  // Rounding makes ever more.
       pairs = crossing.pairs;
       if (keepsNeedles) continue;
@@ -55,13 +55,15 @@ std::vector<uint32_t> settle(const Mesh& closed, bool mayTurn, bool keepsNeedles
   return crossed;
 }
 
-/// Moves the corners of faces along their normals: farther in every attempt, but the same in every run. Marks
-/// them in `haveMoved`.
+/// Moves the corners of faces along their normals: farther in every attempt up to a limit, but the same in
+/// every run. Marks them in `haveMoved`.
 void moveCorners(Mesh& mesh, const std::vector<uint32_t>& faces, uint32_t attempt,
                  std::vector<bool>& haveMoved) {
   constexpr double kLeast = 2e-6;  // Share of the size: more than rounding, less than anybody sees.
+  constexpr uint32_t kMostDoublings = 4;
   const glm::dvec3 size = bounds(mesh).size();
-  const double most = std::ldexp(kLeast, int(attempt)) * std::max({size.x, size.y, size.z});
+  const double most =
+      std::ldexp(kLeast, int(std::min(attempt, kMostDoublings))) * std::max({size.x, size.y, size.z});
   std::vector<bool> moves(mesh.vertices.size());
   for (const uint32_t f : faces)
     for (int c = 0; c < 3; ++c) moves[mesh.triangles[f][c]] = true;
@@ -81,13 +83,14 @@ void moveCorners(Mesh& mesh, const std::vector<uint32_t>& faces, uint32_t attemp
 
 /// Unites a mesh, and moves corners of faces that cross.
 SettledUnion settleMoving(Mesh closed, bool mayTurn, bool keepsNeedles) {
-  constexpr uint32_t kMostAttempts = 5;
-  constexpr size_t kFew = 16;  // With a larger share of crossing faces, moved ones only cross elsewhere.
+  constexpr uint32_t kMostAttempts = 8;
+  // With a larger share of crossing faces, moved ones only cross elsewhere, which takes long in large meshes.
+  constexpr size_t kShare = 16, kFew = 256;
   SettledUnion settled;
   std::vector<bool> haveMoved(closed.vertices.size());
   for (uint32_t attempt = 0; attempt < kMostAttempts; ++attempt) {
     const std::vector<uint32_t> crossed = settle(closed, mayTurn, keepsNeedles, settled);
-    if (crossed.empty() || crossed.size() > closed.triangles.size() / kFew) break;
+    if (crossed.empty() || crossed.size() > std::max(closed.triangles.size() / kShare, kFew)) break;
     moveCorners(closed, crossed, attempt, haveMoved);
   }
   settled.movedVertices = size_t(std::ranges::count(haveMoved, true));

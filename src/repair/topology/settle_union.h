@@ -20,9 +20,9 @@ struct SettledUnion {
 
 /// Unites a balanced mesh (`uniteFaces`) and rounds the result. If faces cross then, it unites that again.
 /// Walls that lie almost in one plane may cross ever more often. Then the corners of crossing faces move in
-/// the mesh, and all starts anew: at most four times, by up to 2e-6 of the mesh's size, and twice as much
-/// each time. If that does not end, and the mesh has degenerate faces, these stay, as others cross without
-/// them.
+/// the mesh, and all starts anew: at most seven times, by up to 2e-6 of the mesh's size, and twice as much
+/// each time, until it is 3.2e-5. If that does not end, and the mesh has degenerate faces, these stay, as
+/// others cross without them.
 SettledUnion settleUnion(Mesh closed, bool mayTurn);
 
 }  // namespace raymap

@@ -11,6 +11,7 @@
 
 #include "mesh/compact.h"
 #include "mesh/diagnostics.h"
+#include "mesh/face_measures.h"
 #include "mesh/triangle.h"
 #include "repair/topology/clean_faces.h"
 #include "repair/topology/drop_pieces.h"
@@ -24,7 +25,8 @@ namespace raymap {
 namespace {
 
 constexpr double kMostSheets = 0.5;   // Share of the area. With more, they may bound a solid together.
-constexpr double kLittle = 1e-3;      // Share of the area that may be lost if it fits nowhere.
+constexpr double kLittle = 1e-3;      // Share of the area that faces which contradict others may bound.
+constexpr double kMostLost = 0.01;    // Share of the area that may be lost if it fits nowhere.
 constexpr double kUnseen = 1e-6;      // Share of the area that nobody sees.
 constexpr double kMostFolded = 0.05;  // Share of the sheets' area. With more, plates hide their details.
 
@@ -48,35 +50,6 @@ void takeOut(const std::vector<uint32_t>& faces, Mesh& mesh, std::vector<uint32_
   std::erase_if(given, [&](uint32_t) { return isOut[g++]; });
 }
 
-/// Joins cracks, unless that makes faces contradict each other: rims of other parts lie there.
-void sew(UnitedParts& united) {
-  Mesh sewn = united.mesh;
-  const size_t count = sewCracks(sewn);
-  if (count == 0 ||
-      diagnose(sewn, {.brief = true}).flippedEdges > diagnose(united.mesh, {.brief = true}).flippedEdges)
-    return;
-  united.mesh = std::move(sewn);
-  united.sewnVertices = count;
-}
-
-/// Closes all holes of a part of a mesh that has an area. Returns whether that is possible. Between faces
-/// that contradict each other is no hole: patches there cut grooves.
-bool closeHolesOf(UnitedParts& united, double area, const Diagnostics& found) {
-  united.filled = fillHoles(united.mesh);
-  return united.filled.holes > 0 &&
-         (found.consistentlyOriented ||
-          areaOf(united.mesh, united.mesh.triangles.size() - united.filled.faces) <= kLittle * area);
-}
-
-/// Appends a mesh of the same origin, and the given face of each of its faces.
-void append(const Mesh& more, const std::vector<uint32_t>& sources, Mesh& mesh,
-            std::vector<uint32_t>& given) {
-  const auto first = uint32_t(mesh.vertices.size());
-  mesh.vertices.insert(mesh.vertices.end(), more.vertices.begin(), more.vertices.end());
-  for (const glm::uvec3& t : more.triangles) mesh.triangles.push_back(t + first);
-  given.insert(given.end(), sources.begin(), sources.end());
-}
-
 /// A mesh on its way to a union.
 struct Preparation {
   UnitedParts& united;
@@ -87,6 +60,39 @@ struct Preparation {
 
   Mesh& mesh() { return united.mesh; }
 };
+
+/// Joins cracks, unless that makes faces contradict each other: rims of other parts lie there.
+void sew(Preparation& made) {
+  Mesh sewn = made.mesh();
+  const size_t count = sewCracks(sewn);
+  if (count == 0 ||
+      diagnose(sewn, {.brief = true}).flippedEdges > diagnose(made.mesh(), {.brief = true}).flippedEdges)
+    return;
+  made.mesh() = std::move(sewn);
+  made.united.sewnVertices = count;
+  std::vector<uint32_t> flat;
+  for (uint32_t f = 0; f < made.faces.size(); ++f)
+    if (hasRepeatedCorner(made.mesh().triangles[f])) flat.push_back(f);
+  takeOut(flat, made.mesh(), made.faces);
+}
+
+/// Closes all holes of a part of a mesh that has an area. Returns whether that is possible. Between faces
+/// that contradict each other is no hole: patches there cut grooves.
+bool closeHolesOf(UnitedParts& united, double area, const Diagnostics& found) {
+  united.filled = fillHoles(united.mesh);
+  const size_t twisted = found.consistentlyOriented ? 0 : united.filled.twistedFaces;
+  return united.filled.holes > 0 &&
+         areaOf(united.mesh, united.mesh.triangles.size() - twisted) <= kLittle * area;
+}
+
+/// Appends a mesh of the same origin, and the given face of each of its faces.
+void append(const Mesh& more, const std::vector<uint32_t>& sources, Mesh& mesh,
+            std::vector<uint32_t>& given) {
+  const auto first = uint32_t(mesh.vertices.size());
+  mesh.vertices.insert(mesh.vertices.end(), more.vertices.begin(), more.vertices.end());
+  for (const glm::uvec3& t : more.triangles) mesh.triangles.push_back(t + first);
+  given.insert(given.end(), sources.begin(), sources.end());
+}
 
 /// Takes the sheets out of a mesh. Returns their plates, or nothing if a field serves better.
 std::optional<Plates> takeSheets(Preparation& made, const Diagnostics& found, double thickness) {
@@ -111,7 +117,7 @@ FieldReason balance(const Model& given, InsideOut insideOut, bool closesHoles, d
   made.faces = std::move(cleaned.given);
   made.united.cleanedFaces = cleaned.count;
   if (insideOut == InsideOut::Turned) made.back = facesOf(turnBack(made.mesh(), true), made.faces);
-  if (closesHoles) sew(made.united);
+  if (closesHoles) sew(made);
   Diagnostics found = diagnose(made.mesh());
   const double area = found.area;
   std::optional<Plates> plates;
@@ -214,7 +220,11 @@ UnitedParts uniteParts(const Model& given, InsideOut insideOut, bool closesHoles
   if (area <= kUnseen * all) return parts;
   // Both sides of sheets, or of solids, lie on each other.
   UnitedParts open = uniteSides(Model(exact.open), insideOut, closesHoles, sheetThickness, rest, beside);
-  if (open.failure != FieldReason::None) return area <= kLittle * all ? parts : open;
+  if (open.failure != FieldReason::None) {
+    parts.lostShare = 2.0 * area / all;
+    parts.lostBounds = bounds(exact.open);
+    return parts.lostShare <= kMostLost ? parts : open;
+  }
   parts.thickenedShare += open.thickenedShare * area / (beside + area);
   for (uint32_t& f : open.sources)
     if (f != kNoTriangle) f = exact.openSources[f];

@@ -16,14 +16,16 @@ namespace raymap {
 /// A mesh with nothing wrong that is the union of the parts of another one.
 struct UnitedParts {
   Mesh mesh = {};
-  size_t cutFaces = 0;                 ///< Number of faces that were cut, also to part solids at edges.
-  size_t cleanedFaces = 0;             ///< Number of degenerate and repeated faces that were removed.
-  size_t sewnVertices = 0;             ///< Number of vertices that went as cracks were closed.
-  size_t movedVertices = 0;            ///< Number of vertices that moved so that no faces cross once rounded.
-  double thickenedShare = 0.0;         ///< Share of the area that was sheets, which are plates now.
-  double buriedShare = 0.0;            ///< Share of the area that lies within the union.
-  FilledHoles filled = {};             ///< Holes that were closed, and the faces that do.
-  InvertedParts inverted = {};         ///< Parts that were inside out, crossed others and were turned.
+  size_t cutFaces = 0;          ///< Number of faces that were cut, also to part solids at edges.
+  size_t cleanedFaces = 0;      ///< Number of degenerate and repeated faces that were removed.
+  size_t sewnVertices = 0;      ///< Number of vertices that went as cracks were closed.
+  size_t movedVertices = 0;     ///< Number of vertices that moved so that no faces cross once rounded.
+  double thickenedShare = 0.0;  ///< Share of the area that was sheets, which are plates now.
+  double buriedShare = 0.0;     ///< Share of the area that lies within the union.
+  double lostShare = 0.0;       ///< Share of the area whose sides lie on each other, and that fits nowhere.
+  Box lostBounds = {};          ///< Bounds of this area.
+  FilledHoles filled = {};      ///< Holes that were closed, and the faces that do.
+  InvertedParts inverted = {};  ///< Parts that were inside out, crossed others and were turned.
   std::vector<uint32_t> turned = {};   ///< All faces that were turned, ascending.
   std::vector<uint32_t> sources = {};  ///< Given face that each face is a part of; `kNoTriangle` if none.
   FieldReason failure = FieldReason::None;  ///< Why there is no such mesh.
