@@ -142,7 +142,7 @@ void warnOfAttributes(const std::filesystem::path& path, const WritableMesh& mes
   warn({WarningCode::AttributesLost,
         path.string() + ": it lacks what the given mesh has: " + all +
             (kept.empty() ? ""
-                          : (attributes.gltf && !isGlb ? "; a .glb keeps " : "; an .obj keeps ") +
+                          : (attributes.gltf && !isGlb && !is3mf ? "; a .glb keeps " : "; an .obj keeps ") +
                                 (kept == all ? "them" : kept)),
         {.file = path.string()}});
 }
