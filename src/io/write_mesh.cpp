@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "base/text.h"
+#include "io/3mf/properties.h"
 #include "io/3mf/write_3mf.h"
 #include "io/file_format.h"
 #include "io/mesh/mesh_formats.h"
@@ -31,7 +32,7 @@ constexpr std::array kMeshFormats{
     MeshFormat{".obj", writeObj, Precision::Double, {true, true, true, true}},
     MeshFormat{".stl", writeStl, Precision::Single},
     MeshFormat{".glb", writeGlb, Precision::Origin, {true, true, true, true}},
-    MeshFormat{".3mf", nullptr, Precision::Double, {.parts = true}}};
+    MeshFormat{".3mf", nullptr, Precision::Double, {.parts = true, .materials = true, .colours = true}}};
 
 const MeshFormat& formatFor(const std::filesystem::path& path, std::string_view given) {
   const auto* format = std::ranges::find(kMeshFormats, formatOf(path, given, writableMeshExtensions()),
@@ -122,7 +123,7 @@ void warnOfAttributes(const std::filesystem::path& path, const WritableMesh& mes
   const MeshAttributes& attributes = *mesh.attributes;
   const AttributeKinds& held = format.held;
   // An .obj has texture coordinates at corners, and parts of any faces.
-  const bool isObj = format.write == writeObj, isGlb = format.write == writeGlb;
+  const bool isObj = format.write == writeObj, isGlb = format.write == writeGlb, is3mf = !format.write;
   std::vector<std::string> lost =
       describe(attributes, {.parts = !isObj && (!held.parts || mesh.partOf.empty()),
                             .materials = !held.materials,
@@ -130,8 +131,10 @@ void warnOfAttributes(const std::filesystem::path& path, const WritableMesh& mes
                             .colours = !held.colours});
   const std::string kept = listed(lost);
   if (held.colours && mesh.colours.differ) lost.emplace_back("colours that differ at a vertex");
-  if (held.materials &&
-      (isGlb ? !attributes.gltf && !attributes.libraries.empty() : attributes.gltf != nullptr))
+  if (is3mf)
+    std::ranges::move(lostIn3mf(attributes), std::back_inserter(lost));
+  else if (held.materials &&
+           (isGlb ? !attributes.gltf && !attributes.libraries.empty() : attributes.gltf != nullptr))
     lost.emplace_back("looks of materials");
   lost.insert(lost.end(), attributes.lost.begin(), attributes.lost.end());
   if (lost.empty()) return;
@@ -139,7 +142,7 @@ void warnOfAttributes(const std::filesystem::path& path, const WritableMesh& mes
   warn({WarningCode::AttributesLost,
         path.string() + ": it lacks what the given mesh has: " + all +
             (kept.empty() ? ""
-                          : (attributes.gltf && !isGlb ? "; a .glb keeps " : "; an .obj keeps ") +
+                          : (attributes.gltf && !isGlb && !is3mf ? "; a .glb keeps " : "; an .obj keeps ") +
                                 (kept == all ? "them" : kept)),
         {.file = path.string()}});
 }
@@ -150,7 +153,8 @@ void addAttributes(const MeshAttributes* attributes, const MeshFormat& format, W
   validate(*attributes, mesh.triangles.size());
   mesh.attributes = attributes;
   if (format.held.parts && format.write != writeObj) mesh.partOf = separateParts(mesh);
-  if (format.write == writeGlb) return;  // It splits vertices whose corners differ.
+  // A .glb splits vertices whose corners differ, and a .3mf has colours of corners.
+  if (format.write == writeGlb || !format.write) return;
   if (format.held.uvs) mesh.uvs = vertexValues(attributes->uvs, mesh);
   if (format.held.colours) mesh.colours = vertexValues(attributes->colours, mesh);
 }

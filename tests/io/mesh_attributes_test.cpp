@@ -7,6 +7,7 @@
 #include "files.h"
 #include "io/mesh/mesh_file.h"
 #include "mesh_samples.h"
+#include "samples_3mf.h"
 #include "shapes.h"
 #include "textured_glb.h"
 
@@ -216,6 +217,102 @@ TEST_F(MeshAttributesTest, OfPartsAreObjectsOfAGlbAnd3mf) {
     EXPECT_EQ(whole.triangles, mesh.triangles);
     EXPECT_TRUE(found_.partOf.empty() || found_.partOf[0] == kNone);
   }
+}
+
+/// Two tetrahedra that touch nothing, the second one `shift` away. Its faces have the materials red and
+/// glass, the default of the object, and colours. `last` are the XML attributes of the last face.
+std::string coloured3mf(const std::string& last, const std::string& shift) {
+  std::string xml =
+      R"(<basematerials id="7"><base name="red" displaycolor="#FF0000"/>)"
+      R"(<base name="a &amp; b" displaycolor="#10203040"/></basematerials>)"
+      R"(<m:colorgroup id="8" xmlns:m="http://schemas.microsoft.com/3dmanufacturing/material/2015/02">)"
+      R"(<m:color color="#00ff00"/><m:color color="#0000FF80"/></m:colorgroup>)"
+      R"(<object id="1" pid="7" pindex="1"><mesh><vertices>)";
+  for (const char* x : {"0", shift.c_str()}) {
+    const std::string at = std::string("x=\"") + x + "\"";
+    const double far = std::stod(x) + 3.0;
+    xml += "<vertex " + at + R"( y="0" z="0"/><vertex x=")" + std::to_string(far) +
+           R"(" y="0" z="0"/><vertex )" + at + R"( y="3" z="0"/><vertex )" + at + R"( y="0" z="3"/>)";
+  }
+  xml += R"(</vertices><triangles><triangle v1="0" v2="2" v3="1" p1="0"/><triangle v1="0" v2="1" v3="3"/>)"
+         R"(<triangle v1="0" v2="3" v3="2" pid="8" p1="1"/>)"
+         R"(<triangle v1="1" v2="2" v3="3" pid="8" p1="0" p2="1" p3="0"/>)"
+         R"(<triangle v1="4" v2="6" v3="5" p1="0"/><triangle v1="4" v2="5" v3="7" p1="0"/>)"
+         R"(<triangle v1="4" v2="7" v3="6" p1="0"/><triangle v1="5" v2="6" v3="7" )" +
+         last + "/></triangles></mesh></object>";
+  return samples::threeMf(samples::model3mf(xml, {R"(objectid="1")"}));
+}
+
+TEST_F(MeshAttributesTest, OfA3mfAreReadWrittenAndReadUnchanged) {
+  const Mesh mesh = loadText("in.3mf", coloured3mf(R"(p1="0")", "9"));
+  EXPECT_EQ(said_, "");
+  for (const std::string file : {"in.3mf", "out.3mf", "out.glb"}) {
+    SCOPED_TRACE(file);
+    if (file != "in.3mf") store(file, mesh);
+    EXPECT_EQ(said_, "");
+    Mesh read = load(path(file));
+    if (file == "out.glb") {  // Its faces are in the order of materials, and white where they had no colour.
+      store("again.3mf", read);
+      EXPECT_EQ(said_, "");
+      load(path("again.3mf"));
+      EXPECT_EQ(found_.materialOf, (std::vector<uint32_t>{0, 0, 0, 0, 0, 1, kNone, kNone}));
+      EXPECT_EQ(colourAt(7, 1), glm::vec4(0, 0, 1, 128 / 255.0F));
+      continue;
+    }
+    EXPECT_EQ(found_.lost.size(), 0u);
+    EXPECT_EQ(found_.materials, (std::vector<std::string>{"red", "a & b"}));
+    EXPECT_EQ(found_.materialOf, (std::vector<uint32_t>{0, 1, kNone, kNone, 0, 0, 0, 0}));
+    EXPECT_EQ(colourAt(2, 0), glm::vec4(0, 0, 1, 128 / 255.0F));
+    EXPECT_EQ(colourAt(3, 0), glm::vec4(0, 1, 0, 1));
+    EXPECT_EQ(colourAt(3, 1), glm::vec4(0, 0, 1, 128 / 255.0F));
+    EXPECT_EQ(found_.colours.corners[0], glm::uvec3(kNone));
+  }
+  EXPECT_NE(readBytes(path("out.glb")).find(R"("alphaMode":"BLEND","name":"a & b")"), std::string::npos);
+}
+
+TEST_F(MeshAttributesTest, OfA3mfStayInARepair) {
+  // The tetrahedra cross, and the first one lacks a face.
+  std::string bytes = coloured3mf(R"(pid="8" p1="0")", "1");
+  Mesh mesh = loadText("in.3mf", bytes);
+  mesh.triangles.erase(mesh.triangles.begin());
+  ASSERT_EQ(found_.partOf.size(), 8u);
+  found_.partOf.erase(found_.partOf.begin());
+  found_.materialOf.erase(found_.materialOf.begin());
+  found_.colours.corners.erase(found_.colours.corners.begin());
+  const MeshAttributes given = found_;
+  const Repaired repaired =
+      repair(mesh, fitRepairGrid(mesh, {.voxelSize = 0.5}, {}), {}, {}, {.device = "cpu"});
+  found_ = carryAttributes(given, mesh, repaired.mesh, repaired.faceSource);
+  store("out.3mf", repaired.mesh);
+  EXPECT_EQ(said_, "");
+  const Mesh read = load(path("out.3mf"));
+  ASSERT_EQ(read.triangles.size(), repaired.faceSource.size());
+  size_t kept = 0;
+  for (size_t f = 0; f < read.triangles.size(); ++f) {
+    const uint32_t source = repaired.faceSource[f];
+    EXPECT_EQ(found_.materialOf[f], source == kNone ? kNone : given.materialOf[source]) << f;
+    kept += source == 6 ? 1 : 0;
+    for (int c = 0; c < 3 && source == 6; ++c) EXPECT_EQ(colourAt(f, c), glm::vec4(0, 1, 0, 1));
+  }
+  EXPECT_GT(kept, 0u);
+}
+
+TEST_F(MeshAttributesTest, OfA3mfThatAreMalformedAreLeftOutOrRefused) {
+  for (const char* last : {R"(pid="8" p1="2")", R"(pid="8" p1="0" p2="4294967295")", R"(pid="9" p1="0")"}) {
+    loadText("in.3mf", coloured3mf(last, "9"));
+    EXPECT_EQ(
+        said_,
+        "file_content in.3mf: materials or colours of 1 triangle have an unknown group or an index out of "
+        "range, and are left out\n");
+    EXPECT_EQ(found_.materialOf.at(7), kNone);
+    EXPECT_EQ(found_.colours.corners.at(7), glm::uvec3(kNone));
+  }
+  EXPECT_EQ(codeOf([&] { loadText("in.3mf", coloured3mf(R"(p1="-1")", "9")); }), ErrorCode::Input);
+  const std::string model =
+      samples::model3mf(R"(<basematerials id="3"><base name="a" displaycolor="#12345G"/></basematerials>)" +
+                            samples::square3mf(1),
+                        {R"(objectid="1")"});
+  EXPECT_EQ(codeOf([&] { loadText("in.3mf", samples::threeMf(model)); }), ErrorCode::Input);
 }
 
 /// Expects what the textured GLB has, whatever its vertices and triangles.

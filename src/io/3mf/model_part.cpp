@@ -17,10 +17,10 @@ namespace raymap {
 namespace {
 
 constexpr std::string_view kProduction = "http://schemas.microsoft.com/3dmanufacturing/production/2015/06";
+constexpr std::string_view kMaterial = "http://schemas.microsoft.com/3dmanufacturing/material/2015/02";
 /// Extensions that a file may require: the others change shapes, or hide them.
 constexpr std::array<std::string_view, 3> kKnownExtensions{
-    kProduction, "http://schemas.microsoft.com/3dmanufacturing/material/2015/02",
-    "http://schemas.microsoft.com/3dmanufacturing/trianglesets/2021/07"};
+    kProduction, kMaterial, "http://schemas.microsoft.com/3dmanufacturing/trianglesets/2021/07"};
 
 enum class Element : uint8_t {
   Root,
@@ -35,7 +35,12 @@ enum class Element : uint8_t {
   Components,
   Component,
   Build,
-  Item
+  Item,
+  Materials,
+  Material,
+  Colours,
+  Colour,
+  OtherGroup
 };
 
 /// An element with geometry: its name, and the element that it stands in.
@@ -43,6 +48,7 @@ struct Rule {
   Element parent;
   std::string_view name;
   Element element;
+  std::string_view space = {};  ///< Its namespace; empty: that of the root.
 };
 constexpr std::array kRules{Rule{Element::Vertices, "vertex", Element::Vertex},
                             Rule{Element::Triangles, "triangle", Element::Triangle},
@@ -55,7 +61,14 @@ constexpr std::array kRules{Rule{Element::Vertices, "vertex", Element::Vertex},
                             Rule{Element::Mesh, "vertices", Element::Vertices},
                             Rule{Element::Mesh, "triangles", Element::Triangles},
                             Rule{Element::Components, "component", Element::Component},
-                            Rule{Element::Build, "item", Element::Item}};
+                            Rule{Element::Build, "item", Element::Item},
+                            Rule{Element::Resources, "basematerials", Element::Materials},
+                            Rule{Element::Materials, "base", Element::Material},
+                            Rule{Element::Resources, "colorgroup", Element::Colours, kMaterial},
+                            Rule{Element::Colours, "color", Element::Colour, kMaterial},
+                            Rule{Element::Resources, "texture2dgroup", Element::OtherGroup, kMaterial},
+                            Rule{Element::Resources, "compositematerials", Element::OtherGroup, kMaterial},
+                            Rule{Element::Resources, "multiproperties", Element::OtherGroup, kMaterial}};
 
 std::string_view trimmed(std::string_view text) {
   constexpr std::string_view kBlank = " \t\r\n";
@@ -97,7 +110,7 @@ class Reader : public XmlHandler {
     }
     const auto rule = std::ranges::find_if(
         kRules, [&](const Rule& each) { return each.parent == stack_.back() && each.name == name.local; });
-    if (skipped_ > 0 || rule == kRules.end() || name.space != space_) {
+    if (skipped_ > 0 || rule == kRules.end() || name.space != (rule->space.empty() ? space_ : rule->space)) {
       ++skipped_;
       return;
     }
@@ -132,6 +145,16 @@ class Reader : public XmlHandler {
         return;
       case Element::Item:
         return readItem(attributes);
+      case Element::Materials:
+        return startGroup(PropertyGroup3mf::Kind::Materials, attributes);
+      case Element::Colours:
+        return startGroup(PropertyGroup3mf::Kind::Colours, attributes);
+      case Element::OtherGroup:
+        return startGroup(PropertyGroup3mf::Kind::Other, attributes);
+      case Element::Material:
+        return readColour("displaycolor", attributes);
+      case Element::Colour:
+        return readColour("color", attributes);
       default:
         return;
     }
@@ -163,18 +186,67 @@ class Reader : public XmlHandler {
     object_ = &place->second;
     if (const auto type = attributes.find("type")) object_->type = trimmed(*type);
     object_->name = trimmed(attributes.find("name").value_or(""));
-    noteColours(attributes);
+    notePaint(attributes);
+    object_->property = property(attributes, "pindex", {});
     constexpr std::array<std::string_view, 5> kTypes{"model", "surface", "support", "solidsupport", "other"};
     if (std::ranges::find(kTypes, object_->type) == kTypes.end())
       fail("the type of object " + std::to_string(id_) + " is " + excerpt(object_->type) +
            "; 3MF knows model, surface, support, solidsupport and other");
   }
 
-  /// Notes a property, which is a material or a colour, and paints of slicers.
-  void noteColours(const XmlAttributes& attributes) {
-    if (model_.hasColours || !parts_.file().attributes) return;
-    model_.hasColours = attributes.find("pid") || attributes.find("paint_color") ||
-                        attributes.find("mmu_segmentation", "http://schemas.slic3r.org/3mf/2017/06");
+  /// Notes paints of slicers.
+  void notePaint(const XmlAttributes& attributes) {
+    if (model_.isPainted || !parts_.file().attributes) return;
+    model_.isPainted = attributes.find("paint_color") ||
+                       attributes.find("mmu_segmentation", "http://schemas.slic3r.org/3mf/2017/06");
+  }
+
+  void startGroup(PropertyGroup3mf::Kind kind, const XmlAttributes& attributes) {
+    group_ = nullptr;
+    if (!parts_.file().attributes) return;
+    const uint32_t id = whole("group of properties", attributes, "id");
+    const auto [place, isNew] = model_.groups.try_emplace(id);
+    if (!isNew) fail("there are two groups of properties with the id " + std::to_string(id));
+    group_ = &place->second;
+    group_->kind = kind;
+  }
+
+  void readColour(std::string_view name, const XmlAttributes& attributes) {
+    if (!group_) return;
+    const std::string_view text = trimmed(attributes.find(name).value_or(""));
+    const std::string_view digits = text.substr(text.empty() ? 0 : 1);
+    uint32_t bytes = 0;
+    const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), bytes, 16);
+    if (!text.starts_with('#') || (digits.size() != 6 && digits.size() != 8) || error != std::errc() ||
+        end != digits.data() + digits.size())
+      fail("a " + std::string(name) + " is " + excerpt(text) + "; 3MF wants #RRGGBB or #RRGGBBAA");
+    if (digits.size() == 6) bytes = bytes << 8U | 0xffU;
+    constexpr size_t kMaterialBytes = 1024;  // Of its look, at most.
+    if (group_->colours.size() == group_->colours.capacity())
+      checkGrowth(kMaterialBytes, group_->colours.size());
+    group_->colours.push_back(
+        glm::vec4(bytes >> 24U, bytes >> 16U & 0xffU, bytes >> 8U & 0xffU, bytes & 0xffU) / 255.0F);
+    if (group_->kind == PropertyGroup3mf::Kind::Materials)
+      group_->names.emplace_back(trimmed(attributes.find("name").value_or("")));
+  }
+
+  /// Returns the property of an element: the default one, unless it has an index of its own.
+  Property3mf property(const XmlAttributes& attributes, std::string_view first,
+                       const Property3mf& otherwise) const {
+    const auto index = [&](std::string_view name) { return attributes.find(name); };
+    if (!parts_.file().attributes || !index(first)) return otherwise;
+    Property3mf found = otherwise;
+    if (index("pid")) found.group = indexOf("pid", *index("pid"));
+    found.indices = glm::uvec3(indexOf(first, *index(first)));
+    if (const auto p2 = index("p2")) found.indices.y = indexOf("p2", *p2);
+    if (const auto p3 = index("p3")) found.indices.z = indexOf("p3", *p3);
+    return found;
+  }
+
+  uint32_t indexOf(std::string_view name, std::string_view text) const {
+    const auto value = parsed<uint32_t>(text);
+    if (!value) fail(std::string(name) + " is " + excerpt(text) + ", which is not the number of a property");
+    return *value;
   }
 
   void readVertex(const XmlAttributes& attributes) {
@@ -208,10 +280,19 @@ class Reader : public XmlHandler {
                         counted(object_->vertices.size(), "vertex"));
       triangle[corner] = *vertex;
     }
-    noteColours(attributes);
+    notePaint(attributes);
+    readProperty(attributes);
     if (object_->triangles.size() == object_->triangles.capacity())
       checkGrowth(sizeof(glm::uvec3), object_->triangles.size());
     object_->triangles.push_back(triangle);
+  }
+
+  void readProperty(const XmlAttributes& attributes) {
+    if (!parts_.file().attributes || (object_->properties.empty() && !attributes.find("p1"))) return;
+    if (object_->properties.size() == object_->properties.capacity())
+      checkGrowth(sizeof(Property3mf), object_->triangles.size());
+    object_->properties.resize(object_->triangles.size(), object_->property);
+    object_->properties.push_back(property(attributes, "p1", object_->property));
   }
 
   void readItem(const XmlAttributes& attributes) {
@@ -279,6 +360,7 @@ class Reader : public XmlHandler {
   double scale_ = 1.0;
   uint32_t id_ = 0;
   Object3mf* object_ = nullptr;
+  PropertyGroup3mf* group_ = nullptr;
 };
 
 }  // namespace

@@ -19,6 +19,20 @@ struct Placement3mf {
   uint64_t line = 0;            ///< Where the part that places it says so.
 };
 
+/// Materials or colours that triangles refer to.
+struct PropertyGroup3mf {
+  enum class Kind : uint8_t { Materials, Colours, Other };
+  Kind kind = Kind::Other;
+  std::vector<glm::vec4> colours;  ///< In sRGB with alpha, from 0 to 1.
+  std::vector<std::string> names;  ///< Those of materials.
+};
+
+/// A group's number, `kNoAttribute` for none, and the index in it at each corner.
+struct Property3mf {
+  uint32_t group = UINT32_MAX;
+  glm::uvec3 indices{0};
+};
+
 /// Use of a part of an object by a slicer.
 enum class PartUse : uint8_t { Print, CutOut, Modify, BlockSupport, EnforceSupport };
 
@@ -29,6 +43,8 @@ struct Object3mf {
   std::string type = "model", name;
   std::vector<glm::dvec3> vertices;  ///< In millimetres.
   std::vector<glm::uvec3> triangles;
+  Property3mf property = {};            ///< The one for triangles without one of their own.
+  std::vector<Property3mf> properties;  ///< One for each triangle, or none; only read if asked for.
   std::vector<Placement3mf> components;
   PartCounts unprinted{};  ///< Parts that a slicer's project does not print.
 };
@@ -38,7 +54,8 @@ struct ModelPart3mf {
   std::string unit = "millimeter";
   std::map<uint32_t, Object3mf> objects;
   std::vector<Placement3mf> items;
-  bool hasColours = false;    ///< Whether it gives triangles properties or paints; only known if asked for.
+  std::map<uint32_t, PropertyGroup3mf> groups;
+  bool isPainted = false;     ///< Whether a slicer paints triangles; only known if asked for.
   size_t unprintedItems = 0;  ///< Number of items with printable="0", which are left out.
 };
 

@@ -8,6 +8,7 @@
 
 #include "base/text.h"
 #include "io/3mf/model_part.h"
+#include "io/3mf/properties.h"
 #include "io/3mf/slicer_parts.h"
 #include "io/3mf/units.h"
 #include "io/3mf/xml_parser.h"
@@ -72,9 +73,10 @@ class Scene3mf {
     if (triangles_.empty() && !parts_.file().allowEmpty)
       parts_.file().fail(root_ + ": its build places no triangles");
     if (MeshAttributes* attributes = parts_.file().attributes) {
-      const auto hasColours = [](const auto& model) { return model.second.hasColours; };
-      if (std::ranges::any_of(models_, hasColours)) attributes->lost.emplace_back("materials or colours");
+      const auto isPainted = [](const auto& model) { return model.second.isPainted; };
+      if (std::ranges::any_of(models_, isPainted)) attributes->lost.emplace_back("painted colours");
     }
+    properties_.finish();
     models_.clear();
     return finishMesh(parts_.file(), std::move(positions_), std::move(triangles_));
   }
@@ -176,6 +178,7 @@ class Scene3mf {
       if (isMirrored) std::swap(triangle.y, triangle.z);
       triangles_.push_back(triangle + first);
     }
+    properties_.append(models_.at(placed.part), *node.object, isMirrored);
     const std::string& name = node.object->name.empty() ? owner : node.object->name;
     if (!node.object->triangles.empty()) addPart(name);
     for (const Placement3mf& component : node.object->components) append(component, transform, name);
@@ -206,6 +209,7 @@ class Scene3mf {
   PartCounts unprinted_{};  ///< Parts left out of all objects that are placed.
   std::vector<glm::dvec3> positions_;
   std::vector<glm::uvec3> triangles_;
+  PropertyReader properties_{parts_.file()};
 };
 
 }  // namespace

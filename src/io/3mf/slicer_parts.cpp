@@ -98,6 +98,7 @@ void removeTriangles(Object3mf& object, const std::vector<bool>& isRemoved) {
   for (size_t t = 0; t < isRemoved.size(); ++t) {
     if (isRemoved[t]) continue;
     kept.push_back(object.triangles[t]);
+    if (t < object.properties.size()) object.properties[kept.size() - 1] = object.properties[t];
     for (int c = 0; c < 3; ++c) isLost[kept.back()[c]] = false;
   }
   std::vector<uint32_t> places(object.vertices.size());

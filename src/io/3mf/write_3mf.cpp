@@ -11,8 +11,9 @@
 #include <string_view>
 #include <vector>
 
-#include "base/text.h"
+#include "io/3mf/properties.h"
 #include "io/3mf/units.h"
+#include "io/3mf/xml_text.h"
 #include "io/mesh/named_objects.h"
 #include "io/zip/zip_writer.h"
 #include "mesh/compact.h"
@@ -23,31 +24,6 @@ namespace raymap {
 namespace {
 
 constexpr std::string_view kXml = "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n";
-
-/// Returns the length in bytes of the UTF-8 character that a text begins with; 0 if it is none that XML
-/// allows.
-size_t characterBytes(std::string_view text) {
-  uint32_t code = 0;
-  const size_t bytes = decodeUtf8(text, code);
-  return code >= 0x20 && code != 0x7f && (code & 0xfffeU) != 0xfffe ? bytes : 0;
-}
-
-/// Returns a text as the content of an XML element or as a value in quotes.
-std::string xmlText(std::string_view text) {
-  std::string xml;
-  while (!text.empty()) {
-    const size_t bytes = characterBytes(text);
-    const char first = text[0];
-    if (bytes == 0)
-      xml += '?';
-    else if (first == '&' || first == '<' || first == '>' || first == '"')
-      xml += first == '&' ? "&amp;" : first == '<' ? "&lt;" : first == '>' ? "&gt;" : "&quot;";
-    else
-      xml += text.substr(0, bytes);
-    text.remove_prefix(std::max<size_t>(bytes, 1));
-  }
-  return xml;
-}
 
 /// Appends a number with the fewest digits that read back exactly.
 template <class T>
@@ -76,7 +52,8 @@ bool isSoup(const WritableMesh& mesh) {
 /// the triangles, blocks of them, and the end.
 class ObjectText {
  public:
-  ObjectText(const NamedObject& object, size_t id) : mesh_(object.mesh()), name_(object.name), id_(id) {}
+  ObjectText(const NamedObject& object, size_t id, const PropertyText& properties)
+      : mesh_(object.mesh()), name_(object.name), faces_(object.faces), id_(id), properties_(properties) {}
 
   size_t pieces() const { return trianglesAt() + blocks(mesh_.triangles.size()) + 1; }
   std::string piece(size_t i) const {
@@ -115,26 +92,30 @@ class ObjectText {
   std::string triangles(size_t block) const {
     std::string text;
     const size_t begin = block * kBlock, count = std::min(kBlock, mesh_.triangles.size() - begin);
-    for (const glm::uvec3& t : mesh_.triangles.subspan(begin, count)) {
+    for (size_t f = begin; f < begin + count; ++f) {
+      const glm::uvec3& t = mesh_.triangles[f];
       if (!isIn3mf(t)) continue;
       append(text += "<triangle v1=\"", t.x);
       append(text += "\" v2=\"", t.y);
       append(text += "\" v3=\"", t.z);
-      text += "\"/>\n";
+      text += "\"" + properties_.of(faces_.empty() ? f : faces_[f]) + "/>\n";
     }
     return text;
   }
 
   const WritableMesh& mesh_;
   const std::string& name_;
+  const std::vector<uint32_t>& faces_;
   size_t id_;
+  const PropertyText& properties_;
 };
 
 /// The part that holds all objects. Several are components of another one, which the build places.
 class ModelText {
  public:
-  ModelText(const std::vector<NamedObject>& objects, const About3mf& about) : about_(about) {
-    for (const NamedObject& object : objects) texts_.emplace_back(object, texts_.size() + 1);
+  ModelText(const std::vector<NamedObject>& objects, const MeshAttributes* attributes, const About3mf& about)
+      : about_(about), properties_(attributes, objects.size() + 2) {
+    for (const NamedObject& object : objects) texts_.emplace_back(object, texts_.size() + 1, properties_);
   }
 
   size_t pieces() const {
@@ -155,7 +136,11 @@ class ModelText {
   std::string begin() const {
     std::string text(kXml);
     text += "<model unit=\"" + std::string(nameIn3mf(about_.unit)) +
-            "\" xml:lang=\"en-US\" xmlns=\"http://schemas.microsoft.com/3dmanufacturing/core/2015/02\">\n";
+            "\" xml:lang=\"en-US\" xmlns=\"http://schemas.microsoft.com/3dmanufacturing/core/2015/02\"";
+    const std::string groups = properties_.groups();
+    if (groups.find("<m:") != groups.npos)
+      text += " xmlns:m=\"http://schemas.microsoft.com/3dmanufacturing/material/2015/02\"";
+    text += ">\n";
     const auto metadata = [&](const char* name, const std::string& value) {
       if (!value.empty())
         text += "<metadata name=\"" + std::string(name) + "\">" + xmlText(value) + "</metadata>\n";
@@ -163,7 +148,7 @@ class ModelText {
     metadata("Title", about_.title);
     metadata("Description", about_.description);
     metadata("Application", std::string("raymap ") + version().text);
-    return text + "<resources>\n";
+    return text + "<resources>\n" + groups;
   }
 
   std::string end() const {
@@ -180,10 +165,12 @@ class ModelText {
 
   std::vector<ObjectText> texts_;
   const About3mf& about_;
+  PropertyText properties_;
 };
 
 /// Writes the parts of the package. Objects without a triangle that a 3MF can hold are left out.
-void writeParts(std::ostream& out, std::vector<NamedObject>& objects, const About3mf& about) {
+void writeParts(std::ostream& out, std::vector<NamedObject>& objects, const MeshAttributes* attributes,
+                const About3mf& about) {
   std::erase_if(objects, [](const NamedObject& object) {
     return std::ranges::none_of(object.mesh().triangles, isIn3mf);
   });
@@ -201,7 +188,7 @@ void writeParts(std::ostream& out, std::vector<NamedObject>& objects, const Abou
           "<Relationships xmlns=\"http://schemas.openxmlformats.org/package/2006/relationships\">\n"
           "<Relationship Target=\"/3D/3dmodel.model\" Id=\"model\" "
           "Type=\"http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel\"/>\n</Relationships>\n");
-  const ModelText model(objects, about);
+  const ModelText model(objects, attributes, about);
   zip.addDeflated("3D/3dmodel.model", model.pieces(), [&](size_t i) { return model.piece(i); });
   zip.finish();
 }
@@ -240,7 +227,7 @@ void write3mf(std::ostream& out, const WritableMesh& mesh, const About3mf& about
   std::vector<NamedObject> objects = namedObjects(mesh);
   for (NamedObject& object : objects)
     if (isSoup(object.mesh())) weld(object);
-  writeParts(out, objects, about);
+  writeParts(out, objects, mesh.attributes, about);
 }
 
 }  // namespace raymap
