@@ -6,8 +6,7 @@
 namespace raymap {
 
 /// Returns a text as the content of an XML element or as a value in quotes. Bytes that are no text of XML
-/// become
-/// '?'.
+/// become '?'.
 std::string xmlText(std::string_view text);
 
 }  // namespace raymap
