@@ -231,7 +231,7 @@ bool hasRoom() {
   return waitingCount + max(gl_SubgroupSize, kTreeArity) <= kMostWaiting;
 }
 
-// Of each lane's triangle or node that may win, queues triangles and small leaves, and pushes other nodes on the stack.
+// Queues each lane's triangle or small leaf if it may win. Pushes other nodes that may win on the stack.
 void offer(Block block, Corners corners, bool isTriangle, bool isNode, uint index, inout uint size) {
   Tangent t = Tangent(kLargestFloat, vec3(0));
   bool isWhole = false;
