@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <map>
+#include <utility>
 
 #include "io/3mf/xml_text.h"
 #include "io/mesh/base_colour.h"
@@ -24,6 +26,11 @@ std::string colourText(uint32_t bytes) {
   const bool isOpaque = (bytes & 0xffU) == 0xff;
   std::snprintf(text, sizeof(text), isOpaque ? "#%06X" : "#%08X", isOpaque ? bytes >> 8U : bytes);
   return text;
+}
+
+/// Returns an XML attribute with a number.
+std::string numbered(const char* name, size_t value) {
+  return " " + std::string(name) + "=\"" + std::to_string(value) + "\"";
 }
 
 bool hasMaterial(const MeshAttributes& attributes, size_t face) {
@@ -142,21 +149,38 @@ std::string PropertyText::groups() const {
   return text + "</m:colorgroup>\n";
 }
 
-std::string PropertyText::of(size_t face) const {
+std::optional<Property3mf> PropertyText::propertyOf(size_t face) const {
   if (!attributes_) return {};
-  const auto index = [](int number, size_t value) {
-    return " p" + std::to_string(number) + "=\"" + std::to_string(value) + "\"";
-  };
-  if (!isColoured(*attributes_, face))
-    return hasMaterial(*attributes_, face)
-               ? " pid=\"" + std::to_string(firstId_) + "\"" + index(1, attributes_->materialOf[face])
-               : "";
-  std::string text = " pid=\"" + std::to_string(firstId_ + 1) + "\"";
+  const auto material = uint32_t(firstId_);
+  if (!isColoured(*attributes_, face)) {
+    if (!hasMaterial(*attributes_, face)) return {};
+    return Property3mf{material, glm::uvec3(attributes_->materialOf[face])};
+  }
+  Property3mf property{material + 1, {}};
   for (int c = 0; c < 3; ++c) {
     const uint32_t colour = packed(attributes_->colours.values[attributes_->colours.corners[face][c]]);
-    text += index(c + 1, size_t(std::ranges::lower_bound(colours_, colour) - colours_.begin()));
+    property.indices[c] = uint32_t(std::ranges::lower_bound(colours_, colour) - colours_.begin());
   }
+  return property;
+}
+
+std::string PropertyText::of(size_t face) const {
+  const std::optional<Property3mf> property = propertyOf(face);
+  if (!property) return {};
+  std::string text = numbered("pid", property->group) + numbered("p1", property->indices.x);
+  if (property->group != firstId_)
+    text += numbered("p2", property->indices.y) + numbered("p3", property->indices.z);
   return text;
+}
+
+std::string PropertyText::defaultOf(std::span<const uint32_t> faces, size_t count) const {
+  std::map<std::pair<uint32_t, uint32_t>, size_t> counts;
+  for (size_t f = 0; f < count; ++f)
+    if (const auto property = propertyOf(faces.empty() ? f : faces[f]))
+      ++counts[{property->group, property->indices.x}];
+  if (counts.empty()) return {};
+  const auto most = std::ranges::max_element(counts, {}, [](const auto& each) { return each.second; });
+  return numbered("pid", most->first.first) + numbered("pindex", most->first.second);
 }
 
 std::vector<std::string> lostIn3mf(const MeshAttributes& attributes) {

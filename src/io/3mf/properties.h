@@ -1,6 +1,8 @@
 #pragma once
 
 #include <map>
+#include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -43,8 +45,13 @@ class PropertyText {
   std::string groups() const;
   /// Returns the XML attributes of a triangle.
   std::string of(size_t face) const;
+  /// Returns those of an object of `count` triangles, all or `faces`: what most of them have. 3MF gives it to
+  /// those without a property.
+  std::string defaultOf(std::span<const uint32_t> faces, size_t count) const;
 
  private:
+  std::optional<Property3mf> propertyOf(size_t face) const;
+
   const MeshAttributes* attributes_;
   size_t firstId_;
   std::vector<uint32_t> colours_;  ///< Different ones in use, as 0xRRGGBBAA in rising order.

@@ -71,7 +71,8 @@ class ObjectText {
 
   std::string begin() const {
     const std::string name = name_.empty() ? "" : " name=\"" + xmlText(name_) + "\"";
-    return "<object id=\"" + std::to_string(id_) + "\" type=\"model\"" + name + ">\n<mesh>\n<vertices>\n";
+    return "<object id=\"" + std::to_string(id_) + "\" type=\"model\"" + name +
+           properties_.defaultOf(faces_, mesh_.triangles.size()) + ">\n<mesh>\n<vertices>\n";
   }
 
   std::string vertices(size_t block) const {
