@@ -1,8 +1,9 @@
-// Checks that any XML in a whole 3MF gives a valid mesh or an Error. Damaged archives are for read_3mf_fuzz.
-// A byte 0xFF, which XML cannot hold, ends the root part and begins the part 3D/b.model. A second one begins
-// the files of slicers.
+// Checks that any XML in a whole 3MF gives a valid mesh, whose attributes a .3mf and a .glb can hold, or an
+// Error. Damaged archives are for read_3mf_fuzz. A byte 0xFF, which XML cannot hold, ends the root part and
+// begins the part 3D/b.model. A second one begins the files of slicers.
 
 #include <raymap/error.h>
+#include <raymap/io.h>
 #include <raymap/mesh_view.h>
 
 #include <cstdlib>
@@ -20,7 +21,13 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
       parts.emplace_back(config, text.substr(second + 1));
   const std::string bytes = samples::package3mf(parts, samples::Zip::Stored);
   try {
-    validate(read3mf({std::as_bytes(std::span(bytes)), "/nonexistent/mesh", [](const raymap::Warning&) {}}));
+    MeshAttributes attributes;
+    MeshFile file{std::as_bytes(std::span(bytes)), "/nonexistent/mesh", [](const raymap::Warning&) {}};
+    file.attributes = &attributes;
+    const Mesh mesh = read3mf(file);
+    validate(mesh);
+    for (const char* format : {".3mf", ".glb"})
+      writeMesh("/dev/null", mesh, {.format = format, .attributes = &attributes});
   } catch (const Error& error) {
     if (std::string_view(error.what()).empty()) std::abort();
   }
