@@ -1,6 +1,7 @@
 #include "repair/topology/fill_holes.h"
 
 #include <gtest/gtest.h>
+#include <raymap/diagnostics.h>
 #include <raymap/mesh_view.h>
 
 #include <numbers>
@@ -76,23 +77,56 @@ Mesh cone(uint32_t rim) {
   return makeMesh(p, std::move(t));
 }
 
-TEST(FillHoles, FillsRimsOfUpTo300Edges) {
-  Mesh fits = cone(300), large = cone(301);
-  EXPECT_EQ(fillHoles(fits).faces, 298u);
-  EXPECT_TRUE(isClosed(fits));
-  EXPECT_NEAR(volumeOf(fits), std::numbers::pi / 3.0, 0.001);
-  EXPECT_EQ(fillHoles(large).holes, 0u);
-  EXPECT_EQ(large.triangles.size(), 301u);
+TEST(FillHoles, FillsRimsOfAnyLength) {
+  // Rims of more than 300 edges are divided, those of more than 22,500 twice.
+  for (const uint32_t edges : {299u, 300u, 301u, 450u, 451u, 3000u, 24000u}) {
+    Mesh mesh = cone(edges);
+    const FilledHoles filled = fillHoles(mesh);
+    EXPECT_EQ(filled.holes, 1u);
+    EXPECT_EQ(filled.faces, edges - 2);
+    EXPECT_TRUE(isClosed(mesh));
+    EXPECT_NEAR(volumeOf(mesh), std::numbers::pi / 3.0, 0.001);
+    double area = 0.0;
+    for (size_t f = edges; f < mesh.triangles.size(); ++f) {
+      const glm::uvec3& t = mesh.triangles[f];
+      const glm::dvec3 normal = doubleAreaNormal(
+          glm::dvec3(mesh.vertices[t.x]), glm::dvec3(mesh.vertices[t.y]), glm::dvec3(mesh.vertices[t.z]));
+      area += 0.5 * glm::length(normal);
+      EXPECT_LT(normal.z, 0.0) << edges;
+    }
+    EXPECT_NEAR(area, std::numbers::pi, 0.001) << edges;
+  }
 }
 
-TEST(FillHoles, FillsNoHoleIfOneIsTooLarge) {
-  Mesh ball = shapes::sphere(1.0, 2, {5, 0, 0});
-  ball.triangles.pop_back();
-  for (Mesh mesh : {shapes::joined(cone(301), ball), shapes::joined(ball, cone(301))}) {
-    const size_t faces = mesh.triangles.size();
-    EXPECT_EQ(fillHoles(mesh).holes, 0u);
-    EXPECT_EQ(mesh.triangles.size(), faces);
-  }
+/// Returns a half ball whose rim goes up and down five times.
+Mesh wavyBowl(uint32_t rim) {
+  constexpr uint32_t kRings = 20;
+  std::vector<glm::dvec3> p{{0, 0, 1}};
+  std::vector<glm::uvec3> t;
+  for (uint32_t ring = 1; ring <= kRings; ++ring)
+    for (uint32_t i = 0; i < rim; ++i) {
+      const double angle = 2.0 * std::numbers::pi * i / rim;
+      const double down = (std::numbers::pi / 2.0 + 0.2 * std::sin(5.0 * angle)) * ring / kRings;
+      p.emplace_back(std::sin(down) * std::cos(angle), std::sin(down) * std::sin(angle), std::cos(down));
+      const uint32_t last = 1 + (ring - 1) * rim, next = (i + 1) % rim;
+      if (ring == 1) {
+        t.emplace_back(0, last + i, last + next);
+        continue;
+      }
+      const uint32_t before = last - rim;
+      t.emplace_back(before + i, last + i, last + next);
+      t.emplace_back(before + i, last + next, before + next);
+    }
+  return makeMesh(p, std::move(t));
+}
+
+TEST(FillHoles, BendsLongRimsAsShortOnes) {
+  Mesh few = wavyBowl(250), many = wavyBowl(2000);
+  EXPECT_EQ(fillHoles(few).faces, 248u);
+  EXPECT_EQ(fillHoles(many).faces, 1998u);
+  EXPECT_TRUE(isClosed(many));
+  EXPECT_NEAR(volumeOf(many), volumeOf(few), 0.03 * volumeOf(few));
+  EXPECT_EQ(findSelfIntersections(many).pairs, 0u);
 }
 
 TEST(FillHoles, TakesTheSmallerOfTwoFillingsThatAreEquallySharp) {

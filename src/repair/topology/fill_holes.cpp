@@ -12,27 +12,34 @@ namespace raymap {
 
 namespace {
 
-constexpr size_t kMostEdges = 300;  // The time grows with the cube.
+constexpr size_t kMostEdges = 300;  // Of a rim that is filled at once: the time grows with the cube.
+constexpr size_t kFewEdges = 150;   // About so many of a longer rim are filled first.
 
 /// Finds the best triangulation of a rim by dynamic programming over its parts.
 class RimFiller {
  public:
+  static constexpr size_t kRim = SIZE_MAX;
+
   RimFiller(const Mesh& mesh, const Rim& rim)
       : mesh_(mesh), rim_(rim), size_(rim.size()), best_(size_ * size_) {
     for (size_t length = 2; length < size_; ++length)
       for (size_t i = 0; i + length < size_; ++i) best_[i * size_ + i + length] = bestBetween(i, i + length);
   }
 
-  void append(std::vector<glm::uvec3>& triangles) const {
-    std::vector<std::pair<size_t, size_t>> parts{{0, size_ - 1}};
+  /// Calls `visit(triangle, beyond)` with the places of the corners of each triangle in the rim, ascending,
+  /// and the place of the third corner of the triangle beyond each of its sides: 0 to 1, 1 to 2, 2 to 0. At
+  /// the rim, that is `kRim`.
+  template <class Visit>
+  void forEachTriangle(Visit&& visit) const {
+    std::vector<glm::u64vec3> parts{{0, size_ - 1, kRim}};
     while (!parts.empty()) {
-      const auto [i, j] = parts.back();
+      const size_t i = parts.back().x, j = parts.back().y, outer = parts.back().z;
       parts.pop_back();
       if (j == i + 1) continue;
       const size_t k = at(i, j).middle;
-      triangles.emplace_back(rim_[i].from, rim_[k].from, rim_[j].from);
-      parts.emplace_back(i, k);
-      parts.emplace_back(k, j);
+      visit(glm::u64vec3(i, k, j), glm::u64vec3(beyond(i, k), beyond(k, j), outer));
+      parts.emplace_back(i, k, j);
+      parts.emplace_back(k, j, i);
     }
   }
 
@@ -47,6 +54,7 @@ class RimFiller {
     }
   };
 
+  size_t beyond(size_t i, size_t j) const { return j == i + 1 ? kRim : at(i, j).middle; }
   const Part& at(size_t i, size_t j) const { return best_[i * size_ + j]; }
   glm::dvec3 corner(size_t i) const { return glm::dvec3(mesh_.vertices[rim_[i].from]); }
 
@@ -86,6 +94,29 @@ class RimFiller {
   std::vector<Part> best_;  // Best filling of the part from the first index to the second.
 };
 
+/// Fills a rim. In a long one, every few vertices are joined first; each of their triangles then has a rim of
+/// its own, through all vertices between its corners.
+void fillRim(const Mesh& mesh, const Rim& rim, std::vector<glm::uvec3>& triangles) {
+  const size_t step = rim.size() <= kMostEdges ? 1 : (rim.size() + kFewEdges - 1) / kFewEdges;
+  Rim few;
+  for (size_t e = 0; e < rim.size(); e += step) few.push_back(rim[e]);
+  RimFiller(mesh, few).forEachTriangle([&](const glm::u64vec3& corners, const glm::u64vec3& beyond) {
+    const auto vertex = [&](size_t place) { return few[place].from; };
+    if (step == 1)
+      return void(triangles.emplace_back(vertex(corners.x), vertex(corners.y), vertex(corners.z)));
+    Rim part;
+    for (int side = 0; side < 3; ++side) {
+      const size_t from = corners[side], to = corners[(side + 1) % 3];
+      if (beyond[side] != RimFiller::kRim)
+        part.push_back({vertex(from), vertex(to), vertex(beyond[side])});
+      else
+        part.insert(part.end(), rim.begin() + ptrdiff_t(from * step),
+                    rim.begin() + ptrdiff_t(std::min((from + 1) * step, rim.size())));
+    }
+    fillRim(mesh, part, triangles);
+  });
+}
+
 /// Moves the rims with an edge that faces use twice in one direction to the end. Returns the first of them.
 std::vector<Rim>::iterator moveTwisted(std::vector<Rim>& rims) {
   std::vector<std::pair<uint32_t, uint32_t>> edges, twice;
@@ -105,12 +136,11 @@ std::vector<Rim>::iterator moveTwisted(std::vector<Rim>& rims) {
 
 FilledHoles fillHoles(Mesh& mesh) {
   std::vector<Rim> rims = findRims(mesh, BorderEdges::Unbalanced).closed;
-  const auto canFill = [](const Rim& rim) { return rim.size() >= 3 && rim.size() <= kMostEdges; };
-  if (!std::ranges::all_of(rims, canFill)) return {};
+  if (std::ranges::any_of(rims, [](const Rim& rim) { return rim.size() < 3; })) return {};
   using Place = std::vector<Rim>::const_iterator;
   const auto fill = [&](Place first, Place last) {
     const size_t before = mesh.triangles.size();
-    for (Place rim = first; rim != last; ++rim) RimFiller(mesh, *rim).append(mesh.triangles);
+    for (Place rim = first; rim != last; ++rim) fillRim(mesh, *rim, mesh.triangles);
     return mesh.triangles.size() - before;
   };
   const Place twisted = moveTwisted(rims);
