@@ -163,9 +163,13 @@ void print(const RepairArguments& arguments, const RepairGrid& grid, const Repai
   if (report.keepsFaces())
     printKept(report);
   else
-    std::printf("all faces from a field: %s\ngrid: %d x %d x %d, spacing %g%s\n",
-                describe(report.fieldReason), grid.dims.x, grid.dims.y, grid.dims.z, grid.spacing,
-                reasonFor(grid).c_str());
+    std::printf(
+        "%s from a field: %s\ngrid: %d x %d x %d, spacing %g%s\n",
+        report.keptFaces > 0
+            ? (counted(report.keptFaces, "face") + " of parts that are right kept, all others").c_str()
+            : "all faces",
+        describe(report.fieldReason), grid.dims.x, grid.dims.y, grid.dims.z, grid.spacing,
+        reasonFor(grid).c_str());
   std::printf("result: %s, %s, %s, %s\n", counted(report.after.triangles, "triangle").c_str(),
               counted(report.solids, "solid").c_str(), countedCavities(report.cavities).c_str(),
               isSound(report.after) ? "checked as stored: watertight, faces outwards" : "NOT sound");

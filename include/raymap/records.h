@@ -203,6 +203,7 @@ void forEachMember(const RepairReport& report, auto&& use) {
   use("united_faces", report.unitedFaces);
   use("sewn_vertices", report.sewnVertices);
   use("moved_vertices", report.movedVertices);
+  use("kept_faces", report.keptFaces);
   use("closed_holes", report.closedHoles);
   use("closing_faces", report.closingFaces);
   use("least_thickness", report.leastThickness);

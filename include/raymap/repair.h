@@ -166,6 +166,9 @@ struct RepairReport {
   /// Number of vertices that were moved, by at most 1.3e-4 of the mesh's size, so that no faces cross once
   /// they are rounded.
   size_t movedVertices = 0;
+  /// Number of faces of parts that keep them, mended where that was needed, while the rest of the mesh became
+  /// a field. The deviations are those of the rest.
+  size_t keptFaces = 0;
   size_t closedHoles = 0;       ///< Number of holes that faces were added to close, before anything else.
   size_t closingFaces = 0;      ///< Number of these faces, with the walls to a base.
   double leastThickness = 0.0;  ///< Thickness of the plates in place of thinner parts; 0 = none made.
@@ -226,16 +229,17 @@ RAYMAP_API std::string describeThickness(const MeshView& mesh, const Verdict& ve
 /// the result. Keeps the faces of a mesh with nothing wrong that needs no change; also of one in which
 /// leaving out degenerate and repeated faces, turning faces back, cutting faces where they meet others,
 /// making plates of sheets, and with `closeHoles` filling holes, leaves nothing wrong. Else fills what a
-/// plane closes before it makes the field; deviations are then measured from the mesh with these faces.
+/// plane closes before it makes the field; deviations are then measured from the mesh with these faces. Parts
+/// that are apart, or closed solids, and can be mended, keep their faces also beside a field of the rest.
 ///
 /// A cut comes last, so it adds to `RepairOptions::triangles`, and shares of lost area are those before it.
 /// It leaves both parts closed by flat faces.
 ///
 /// `options` say how distance and sign are found. All of `machine` is used. The field is a narrow band, made
-/// on the CPU; it has all samples, made on `device`, if `device` names a GPU, and for another distance or
-/// sign than the default. Throws `Error` as `generate` and `isosurface` do. Usage also for options that make
-/// no sense for a solid: no sign, `band`, `invert`, `thickness`, `closeHoles` and further arrays; and if
-/// walls, holes or the least thickness are thinner than two samples.
+/// on the CPU; it has all samples, made on `device`, if `device` names a GPU, for another distance or sign
+/// than the default, and of an open mesh on up to 2^24 samples. Throws `Error` as `generate` and `isosurface`
+/// do. Usage also for options that make no sense for a solid: no sign, `band`, `invert`, `thickness`,
+/// `closeHoles` and further arrays; and if walls, holes or the least thickness are thinner than two samples.
 RAYMAP_API Repaired repair(const MeshView& mesh, const Grid& grid, const FieldOptions& options = {},
                            const RepairOptions& repair = {}, const MachineOptions& machine = {});
 

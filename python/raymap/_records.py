@@ -497,6 +497,9 @@ class RepairReport(TypedDict):
     moved_vertices: int
     """Number of vertices that were moved, by at most 1.3e-4 of the mesh's size, so that no faces cross once they are
     rounded."""
+    kept_faces: int
+    """Number of faces of parts that keep them, mended where that was needed, while the rest of the mesh became a field.
+    The deviations are those of the rest."""
     closed_holes: int
     """Number of holes that faces were added to close, before anything else."""
     closing_faces: int

@@ -49,6 +49,26 @@ void addHoles(Components& components, std::span<const TracedHole> holes, std::sp
   }
 }
 
+/// Returns whether the normals of faces add up to nearly nothing, and the faces enclose a volume.
+bool encloseVolume(const PackedMesh& mesh, std::span<const uint32_t> faces) {
+  constexpr double kGap = 0.03;     // Share of the area. The sum of all normals is the area of the gaps.
+  constexpr double kVolume = 0.01;  // Share of the area to the power of 3/2. A ball has 0.09.
+  double area = 0.0, volume = 0.0;
+  glm::dvec3 normals(0.0), centre(0.0);
+  for (const uint32_t face : faces) {
+    const auto [a, b, c] = mesh.corners(mesh.triangles[face]);
+    const glm::dvec3 normal = 0.5 * glm::cross(b - a, c - a);
+    const double faceArea = glm::length(normal);
+    area += faceArea;
+    volume += glm::dot(a, normal) / 3.0;
+    normals += normal;
+    centre += faceArea / 3.0 * (a + b + c);
+  }
+  if (area == 0.0) return false;
+  volume -= glm::dot(centre / area, normals) / 3.0;  // As seen from the centre.
+  return glm::length(normals) <= kGap * area && std::abs(volume) >= kVolume * std::pow(area, 1.5);
+}
+
 }  // namespace
 
 Components::Components(const Model& mesh) : sets_(mesh.welding().count) {
@@ -103,6 +123,7 @@ SheetFaces findSheets(const Model& mesh, Components& components, std::span<const
     area += m.area;
     if (m.isSheet() && m.area > largest.area) largest = m;
   }
+  sheets.boundSolid = encloseVolume(mesh, sheets.faces);
   sheets.mayBoundSolid = !sheets.faces.empty() && area - largest.area >= largest.holeArea;
   return sheets;
 }

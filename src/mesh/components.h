@@ -35,6 +35,7 @@ void measureComponents(const Model& mesh, Components& components, std::span<cons
 struct SheetFaces {
   std::vector<uint32_t> faces;  ///< Ascending.
   bool mayBoundSolid = false;   ///< Whether all else has the area to close the holes of the largest one.
+  bool boundSolid = false;      ///< Whether they bound a solid together, but for gaps between them.
 };
 
 SheetFaces findSheets(const Model& mesh, Components& components, std::span<const TracedHole> holes);

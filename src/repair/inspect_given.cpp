@@ -92,30 +92,10 @@ void keepCleaned(const Model& mesh, RepairRun& run) {
 
 /// Keeps the faces of a mesh whose parts cross, overlap or touch: those that bound their union.
 void keepUnited(RepairRun& run) {
-  const InsideOut insideOut =
-      run.fieldOptions.orientation == Orientation::Keep ? InsideOut::Kept : InsideOut::Turned;
-  UnitedParts united = uniteParts(Model(MeshView(run.mesh())), insideOut, run.options.closeHoles,
-                                  leastThickness(run.options, run.grid));
-  run.report.fieldReason = united.failure;
-  if (united.failure != FieldReason::None) return;
-  std::vector<uint32_t> turned;
-  std::ranges::set_symmetric_difference(run.mended.turned, united.turned, std::back_inserter(turned));
-  std::erase_if(turned, [&](uint32_t face) { return face >= run.given.triangles.size(); });
-  run.mended.turned = std::move(turned);
-  keep(Model(united.mesh), RepairDepth::Mended, run, std::move(united.sources));
-  run.mended.filled = {run.mended.filled.holes + united.filled.holes,
-                       run.mended.filled.faces + united.filled.faces};
-  run.report.unitedFaces = united.cutFaces;
-  run.report.cleanedFaces = united.cleanedFaces;
-  run.report.sewnVertices = united.sewnVertices;
-  run.report.movedVertices = united.movedVertices;
-  run.report.buriedShare = united.buriedShare;
-  run.report.lostShare = run.report.loss.openShare = united.lostShare;
-  run.report.loss.openBounds = united.lostBounds;
+  if (!uniteGroups(run)) return;
+  KeptParts kept = std::exchange(run.kept, {});
+  keep(Model(kept.mesh), RepairDepth::Mended, run, std::move(kept.sources));
   warnOfLoss(run.report.loss, run.options, run.machine.warn);
-  if ((run.report.thickenedShare = united.thickenedShare) > 0.0)
-    run.report.leastThickness = leastThickness(run.options, run.grid);
-  run.report.stats.invertedParts = std::move(united.inverted.firsts);
   warnOfInvertedParts(run.report.stats, run.machine.warn);
 }
 

@@ -44,17 +44,20 @@ inline void makeResult(RepairRun& run) {
   const double spacing = run.grid.spacing;
   run.stage("simplify", [&] { simplifyResult(run, spacing, kDefaultTolerance * spacing); });
   roundResult(run);
-  if (!options.measure) return countPieces(Model(run.result), report);
 
-  // Finds what is wrong with the result, and how far it is from the mesh.
-  run.stage("measure", [&] {
-    inspectResult(run);
-    measure(run);
-  });
+  // Finds how far the result is from the mesh.
+  if (options.measure) run.stage("measure", [&] { measure(run); });
   // Finds what the result lacks, and the samples that would keep it.
   if (!run.dropped.triangles.empty()) run.stage("dropped", [&] { leaveOutDropped(run); });
   if (!run.lost.empty() && report.leastThickness == 0.0) run.stage("surface", [&] { run.surface(); });
-  run.stage("loss", [&] { inspectLoss(run); });
+  run.stage("result", [&] {
+    if (options.measure) inspectLoss(run);
+    joinKept(run);
+    if (options.measure)
+      inspectResult(run);
+    else
+      countPieces(Model(run.result), report);
+  });
 }
 
 /// Runs all stages that the mesh and the options ask for.

@@ -19,8 +19,8 @@ namespace {
 
 // Samples along the longest side of a soup of faces. Its surface is mostly what closes the gaps.
 constexpr int kSoupResolution = 128;
-// Memory of a repair, which is at most about this much: of each sample if all are needed, else of each cube.
-constexpr size_t kBytesPerSample = 64, kBytesPerCube = 1024;
+// Memory of a repair, which is at most about this much, of each cube if not all samples are needed.
+constexpr size_t kBytesPerCube = 1024;
 // An isosurface with more samples along a side loses the precision of its vertices.
 constexpr int kMostAlongSide = 1 << 14;
 

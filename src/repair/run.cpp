@@ -9,6 +9,7 @@
 #include "cpu/points/narrow_band.h"
 #include "repair/solid/solid_band.h"
 #include "repair/stages.h"
+#include "repair/topology/clean_faces.h"
 
 namespace raymap {
 
@@ -62,9 +63,18 @@ RepairRun::RepairRun(const MeshView& mesh, const Grid& lattice, const FieldOptio
   };
 }
 
-void RepairRun::makeSolid() {
+bool RepairRun::isDense() const {
+  constexpr size_t kMostSamples = size_t{1} << 24;  // They take some 20 bytes each.
   if (needsAllSamples(machine) || fieldOptions.sign != SignMode::Harmonic ||
-      fieldOptions.distance != DistanceMode::Exact) {
+      fieldOptions.distance != DistanceMode::Exact)
+    return true;
+  // Points in an open mesh find their winding numbers one by one, a grid those of all its samples together.
+  return options.shell == 0.0 && grid.sampleCount() <= std::min(kMostSamples, most() / kBytesPerSample) &&
+         !diagnose(mesh(), {.brief = true}).balanced;
+}
+
+void RepairRun::makeSolid() {
+  if (isDense()) {
     FieldOptions how = fieldOptions;
     how.closeHoles = options.closeHoles;
     // The sign jumps far from the surface where holes stay open.
@@ -80,8 +90,7 @@ void RepairRun::makeSolid() {
 void RepairRun::makeDense(const FieldOptions& how) {
   auto [field, cost] = generator_.generate(mesh(), grid, how, machine);
   turns_ = turnsOf(cost, mesh().triangles.size());
-  cost.turnedFaces = allTurned(report.stats.turnedFaces, std::move(cost.turnedFaces), given.triangles.size());
-  report.stats = std::move(cost);
+  take(std::move(cost));
   solid = std::move(field);
 }
 
@@ -98,13 +107,24 @@ void RepairRun::makeBand() {
   });
   stats.bytes = std::max(stats.bytes, surface_->bytes() + solid.bytes());
   stats.stages.clear();  // They are added in the end.
-  stats.turnedFaces =
-      allTurned(report.stats.turnedFaces, std::move(stats.turnedFaces), given.triangles.size());
-  report.stats = std::move(stats);
+  take(std::move(stats));
   solid.narrow->outside -= options.offset;
   solid.narrow->inside += options.offset;
   warnOfMisfit(report.stats, machine.warn);
   warnOfInvertedParts(report.stats, machine.warn);
+}
+
+void RepairRun::take(Stats stats) {
+  std::vector<uint32_t> inverted = std::move(report.stats.invertedParts);
+  if (!kept.rest.empty()) {
+    stats.turnedFaces = facesOf(stats.turnedFaces, kept.rest);
+    stats.invertedParts = facesOf(stats.invertedParts, kept.rest);
+  }
+  stats.turnedFaces =
+      allTurned(report.stats.turnedFaces, std::move(stats.turnedFaces), given.triangles.size());
+  stats.invertedParts.insert(stats.invertedParts.end(), inverted.begin(), inverted.end());
+  std::ranges::sort(stats.invertedParts);
+  report.stats = std::move(stats);
 }
 
 void RepairRun::makeSolidAgain() {

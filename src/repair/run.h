@@ -18,6 +18,14 @@
 
 namespace raymap {
 
+/// Parts of a mesh that keep their faces, as they are apart from the rest, which becomes a field.
+struct KeptParts {
+  Mesh mesh = {};                      ///< Their faces, mended and united.
+  std::vector<uint32_t> sources = {};  ///< Given face that each is a part of; `kNoTriangle` if none.
+  std::vector<uint32_t> rest = {};     ///< Face of the whole mesh that each face of the rest is.
+  double share = 0.0;                  ///< Share of the mesh's area.
+};
+
 /// A repair under way: what it is given, and what each stage hands to the next. repair/pipeline.h has the
 /// order of the stages. Refers to the given mesh, grid and options.
 class RepairRun {
@@ -37,6 +45,7 @@ class RepairRun {
   Mesh& result = repaired.mesh;
   RepairReport& report = repaired.report;
   Mended mended;                 ///< The given mesh with what was certain mended; empty if that is nothing.
+  KeptParts kept;                ///< Parts that `mended` does not have, or nothing.
   Field solid;                   ///< Its field, moved by the offset: a narrow band, or dense.
   bool isCut = false;            ///< Whether the box of the samples cuts a surface off.
   Mesh dropped;                  ///< Surface of the parts that were dropped on request.
@@ -51,7 +60,11 @@ class RepairRun {
     progress.stage(name, [&] { withThreads(machine.threads, work); });
   }
   /// Returns the mesh that the result shall show.
-  PackedMesh mesh() const { return mended.isChanged() ? PackedMesh(mended.mesh) : PackedMesh(given); }
+  PackedMesh mesh() const {
+    return mended.isChanged() || kept.share > 0.0 ? PackedMesh(mended.mesh) : PackedMesh(given);
+  }
+  /// Returns the share of the mesh's area that becomes a field.
+  double fieldShare() const { return 1.0 - kept.share; }
   /// Makes the mesh's field, moved by the offset, and decides which faces are turned.
   void makeSolid();
   /// Makes the field of the result: of what is left after parts were dropped or filled.
@@ -64,8 +77,12 @@ class RepairRun {
   size_t most() const { return mostMemory(machine.memoryLimit, solid.bytes()); }
 
  private:
+  /// Returns whether the field shall have all of its samples.
+  bool isDense() const;
   void makeDense(const FieldOptions& how);
   void makeBand();
+  /// Reports what a field cost, and which faces it turned.
+  void take(Stats stats);
 
   Generator generator_;  // It opens the device once.
   Turns turns_;

@@ -10,6 +10,13 @@ namespace raymap {
 /// then.
 void inspectGiven(RepairRun& run);
 
+/// Unites the parts of the mesh that cross, overlap or touch, each group that is apart from the others by
+/// itself. `RepairRun::kept` is then what is right; the rest must become a field. Returns whether there is
+/// no rest.
+bool uniteGroups(RepairRun& run);
+/// Adds the faces that were kept to the result.
+void joinKept(RepairRun& run);
+
 /// Returns the thickness of the plates: that of the options, or the least that no samples miss.
 double leastThickness(const RepairOptions& repair, const Grid& grid);
 /// Unites the solid with plates of `RepairReport::leastThickness` in place of what is thinner in the mesh, or
@@ -60,6 +67,8 @@ void requireParts(const Mesh& surface);
 double surfaceCubes(const MeshView& mesh, double spacing);
 /// Most cubes of a grid that a warning recommends. It takes a few gigabytes.
 inline constexpr double kMostAdvisedCubes = 8.0 * double(kMostRepairCubes);
+/// Memory of a repair that needs all samples, which is at most about this much of each.
+inline constexpr size_t kBytesPerSample = 64;
 /// Returns whether a field has all of its samples: a GPU makes no other fields.
 bool needsAllSamples(const MachineOptions& machine);
 

@@ -40,7 +40,7 @@ TEST(SewCracks, JoinsRegionsThatCameLoose) {
   const size_t rim = diagnose(loose).boundaryEdges / 2;
   ASSERT_GT(rim, 20u);
   Mesh sewn = loose;
-  EXPECT_EQ(sewCracks(sewn), rim);
+  EXPECT_EQ(sewCracks(sewn, widestCrack(sewn)), rim);
   const Diagnostics found = diagnose(sewn);
   EXPECT_TRUE(found.watertight);
   EXPECT_TRUE(found.consistentlyOriented);
@@ -66,7 +66,7 @@ TEST(SewCracks, JoinsRegionsThatMeetAtOnePlace) {
     return 4e-4f * (2.0f * glm::vec3(region & 1, region >> 1 & 1, region >> 2 & 1) - 1.0f);
   });
   ASSERT_EQ(diagnose(sewn).components, 8u);
-  sewCracks(sewn);
+  sewCracks(sewn, widestCrack(sewn));
   EXPECT_TRUE(diagnose(sewn).watertight);
   EXPECT_EQ(diagnose(sewn).components, 1u);
 }
@@ -77,15 +77,15 @@ TEST(SewCracks, LeavesWhatIsFartherApart) {
   const double diagonal = glm::length(bounds(ball).size());
   for (const double share : {1.8e-3, 2.2e-3}) {
     Mesh lifted = loosened(coarse, capOf, apart(float(share * diagonal)));
-    EXPECT_EQ(sewCracks(lifted) > 0, share < 2e-3) << share;
+    EXPECT_EQ(sewCracks(lifted, widestCrack(lifted)) > 0, share < 2e-3) << share;
   }
   // Edges on a fine rim are shorter than the gap is wide.
   Mesh fine = loosened(shapes::sphere(1.0, 7), capOf, apart(float(1.8e-3 * diagonal)));
   ASSERT_GT(diagnose(fine).boundaryEdges, 1000u);
-  EXPECT_LT(sewCracks(fine), diagnose(fine).boundaryEdges / 8);
+  EXPECT_LT(sewCracks(fine, widestCrack(fine)), diagnose(fine).boundaryEdges / 8);
   Mesh hole = ball;
   hole.triangles.erase(hole.triangles.begin(), hole.triangles.begin() + 7);
-  EXPECT_EQ(sewCracks(hole), 0u);
+  EXPECT_EQ(sewCracks(hole, widestCrack(hole)), 0u);
 }
 
 }  // namespace

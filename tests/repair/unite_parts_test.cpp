@@ -206,7 +206,7 @@ TEST(UniteParts, ClosesHolesIfAskedTo) {
   Mesh open = join({shapes::box({0, 0, 0}, {2, 2, 2}), shapes::box({1, 1, 1}, {3, 3, 3})});
   open.triangles.pop_back();
   EXPECT_EQ(uniteParts(Model(open)).failure, FieldReason::Open);
-  const UnitedParts united = uniteParts(Model(open), InsideOut::Turned, true);
+  const UnitedParts united = uniteParts(Model(open), {InsideOut::Turned, true});
   ASSERT_EQ(united.failure, FieldReason::None);
   EXPECT_TRUE(isAllRight(Model(united.mesh)));
   EXPECT_NEAR(diagnose(united.mesh).signedVolume, 15.0, 1e-5);
@@ -223,15 +223,15 @@ TEST(UniteParts, TurnsFacesBackBeforeItClosesHoles) {
     if (open.position(open.triangles[f].x).x < -0.7 && open.position(open.triangles[f].x).y > 0.0)
       near.push_back(f);
   ASSERT_GT(near.size(), 10u);
-  const UnitedParts expected = uniteParts(Model(open), InsideOut::Turned, true);
+  const UnitedParts expected = uniteParts(Model(open), {InsideOut::Turned, true});
   ASSERT_EQ(expected.failure, FieldReason::None);
   for (const uint32_t f : near) std::swap(open.triangles[f].y, open.triangles[f].z);
-  const UnitedParts united = uniteParts(Model(open), InsideOut::Turned, true);
+  const UnitedParts united = uniteParts(Model(open), {InsideOut::Turned, true});
   ASSERT_EQ(united.failure, FieldReason::None);
   EXPECT_EQ(united.filled.holes, 1u);
   EXPECT_EQ(united.turned, near);
   EXPECT_NEAR(diagnose(united.mesh).signedVolume, diagnose(expected.mesh).signedVolume, 1e-5);
-  EXPECT_EQ(uniteParts(Model(open), InsideOut::Kept, true).failure, FieldReason::Open);
+  EXPECT_EQ(uniteParts(Model(open), {InsideOut::Kept, true}).failure, FieldReason::Open);
 }
 
 TEST(UniteParts, TurnsFacesBackBesideASheetWhoseHalvesContradictEachOther) {
@@ -240,7 +240,7 @@ TEST(UniteParts, TurnsFacesBackBesideASheetWhoseHalvesContradictEachOther) {
   const Mesh fold = makeMesh(std::vector<glm::dvec3>{{5, 0, 0}, {6, 0, 0}, {6, 1, 0}, {5, 1, 0}},
                              std::vector<glm::uvec3>{{0, 1, 2}, {0, 3, 2}});
   ASSERT_EQ(diagnose(fold).flippedEdges, 1u);
-  const UnitedParts united = uniteParts(Model(join({turned, fold})), InsideOut::Turned, true, 0.1);
+  const UnitedParts united = uniteParts(Model(join({turned, fold})), {InsideOut::Turned, true, 0.1});
   ASSERT_EQ(united.failure, FieldReason::None);
   EXPECT_TRUE(isAllRight(Model(united.mesh)));
   EXPECT_EQ(united.turned, std::vector<uint32_t>{3});
@@ -263,18 +263,18 @@ TEST(UniteParts, KeepsFacesBesideFewThatContradictEachOther) {
     return join({shapes::sphere(1.0, 3), tetrahedron});
   };
   const Mesh ball = shapes::sphere(1.0, 3);
-  const UnitedParts united = uniteParts(Model(withTetrahedron(0.02F)), InsideOut::Turned, true);
+  const UnitedParts united = uniteParts(Model(withTetrahedron(0.02F)), {InsideOut::Turned, true});
   ASSERT_EQ(united.failure, FieldReason::None);
   EXPECT_TRUE(isAllRight(Model(united.mesh)));
   EXPECT_NEAR(diagnose(united.mesh).signedVolume, diagnose(ball).signedVolume, 1e-5);
   for (size_t f = 0; f < ball.triangles.size(); ++f)
     for (int c = 0; c < 3; ++c)
       ASSERT_EQ(united.mesh.position(united.mesh.triangles[f][c]), ball.position(ball.triangles[f][c]));
-  EXPECT_EQ(uniteParts(Model(withTetrahedron(1.0F)), InsideOut::Turned, true).failure, FieldReason::Open);
+  EXPECT_EQ(uniteParts(Model(withTetrahedron(1.0F)), {InsideOut::Turned, true}).failure, FieldReason::Open);
   // A wide hole elsewhere is closed as if there were no such faces.
   Mesh open = withTetrahedron(0.02F);
   std::erase_if(open.triangles, [&](const glm::uvec3& t) { return open.position(t.x).z < -0.8; });
-  const UnitedParts closed = uniteParts(Model(open), InsideOut::Turned, true);
+  const UnitedParts closed = uniteParts(Model(open), {InsideOut::Turned, true});
   ASSERT_EQ(closed.failure, FieldReason::None);
   EXPECT_TRUE(isAllRight(Model(closed.mesh)));
   EXPECT_GT(diagnose(open).holes[0].area, 0.05 * diagnose(open).area);
@@ -284,7 +284,7 @@ TEST(UniteParts, LeavesOutFacesWhoseCornersCracksJoin) {
   // A sheet with a waist narrower than cracks.
   const Mesh sheet = quads({{2, 0, 0}, {3, 0, 0}, {2.5005, 1, 0}, {2.4995, 1, 0}, {3, 2, 0}, {2, 2, 0}},
                            {{0, 1, 2, 3}, {3, 2, 4, 5}});
-  const UnitedParts united = uniteParts(Model(sheet), InsideOut::Turned, true, 0.1);
+  const UnitedParts united = uniteParts(Model(sheet), {InsideOut::Turned, true, 0.1});
   ASSERT_EQ(united.failure, FieldReason::None);
   EXPECT_TRUE(isAllRight(Model(united.mesh)));
   EXPECT_EQ(united.sewnVertices, 1u);
@@ -300,7 +300,7 @@ TEST(UniteParts, ClosesHolesThatEndAtEdgesOfThreeFaces) {
   ASSERT_EQ(open.triangles.size(), 10u);
   const Mesh both = join({open, shapes::box({2, 2, 0}, {4, 4, 2})});
   ASSERT_EQ(diagnose(both).nonManifoldEdges, 1u);
-  const UnitedParts united = uniteParts(Model(both), InsideOut::Turned, true);
+  const UnitedParts united = uniteParts(Model(both), {InsideOut::Turned, true});
   ASSERT_EQ(united.failure, FieldReason::None);
   EXPECT_TRUE(isAllRight(Model(united.mesh)));
   EXPECT_EQ(united.filled.holes, 1u);
@@ -313,7 +313,7 @@ void expectPlates(const Mesh& sheets, double area, double volume) {
   constexpr double kThickness = 0.125;
   const Mesh ball = shapes::rotated(shapes::sphere(1.5, 3));
   const Mesh mesh = join({ball, shapes::rotated(sheets)});
-  const UnitedParts united = uniteParts(Model(mesh), InsideOut::Turned, true, kThickness);
+  const UnitedParts united = uniteParts(Model(mesh), {InsideOut::Turned, true, kThickness});
   ASSERT_EQ(united.failure, FieldReason::None);
   EXPECT_TRUE(isAllRight(Model(united.mesh)));
   const Diagnostics alone = diagnose(ball), all = diagnose(mesh), found = diagnose(united.mesh);
@@ -380,7 +380,7 @@ TEST(UniteParts, KeepsNeedlesWithoutWhichOthersCross) {
 TEST(UniteParts, UnitesPlatesWithTheSolidsThatTheyMeet) {
   const Mesh fin = quads({{1, 0.5, 1}, {3, 0.5, 1}, {3, 1.5, 1}, {1, 1.5, 1}}, {{0, 1, 2, 3}});
   const UnitedParts united =
-      uniteParts(Model(join({shapes::box({0, 0, 0}, {2, 2, 2}), fin})), InsideOut::Turned, true, 0.25);
+      uniteParts(Model(join({shapes::box({0, 0, 0}, {2, 2, 2}), fin})), {InsideOut::Turned, true, 0.25});
   ASSERT_EQ(united.failure, FieldReason::None);
   EXPECT_NEAR(diagnose(united.mesh).signedVolume, 8.0 + 0.25, 1e-6);
 }
@@ -417,7 +417,7 @@ TEST(UniteParts, TurnsNoFacesThatContradictAsManyThen) {
 
 TEST(UniteParts, MakesAPlateOfAMoebiusStrip) {
   const Mesh strip = moebiusStrip(), mesh = join({shapes::sphere(2.5, 4), strip});
-  const UnitedParts united = uniteParts(Model(mesh), InsideOut::Turned, true, 0.1);
+  const UnitedParts united = uniteParts(Model(mesh), {InsideOut::Turned, true, 0.1});
   ASSERT_EQ(united.failure, FieldReason::None);
   EXPECT_TRUE(isAllRight(Model(united.mesh)));
   const double ball = diagnose(shapes::sphere(2.5, 4)).signedVolume;
@@ -442,19 +442,34 @@ Mesh panels(const glm::dvec3& low, const glm::dvec3& high, double gap) {
   return quads(corners, faces);
 }
 
+/// Turns the first of some panels, so that they bound no solid together.
+Mesh oneTurned(Mesh panels) {
+  for (size_t f = 0; f < 2; ++f) std::swap(panels.triangles[f].x, panels.triangles[f].y);
+  return panels;
+}
+
 TEST(UniteParts, LeavesSheetsToTheField) {
   const auto reasonFor = [](const Mesh& mesh, double thickness) {
-    return uniteParts(Model(mesh), InsideOut::Turned, true, thickness).failure;
+    return uniteParts(Model(mesh), {InsideOut::Turned, true, thickness}).failure;
   };
   Mesh sheet = shapes::box({5, 5, 5}, {6, 6, 6});
   sheet.triangles.resize(2);
   const Mesh boxes = join({shapes::box({0, 0, 0}, {2, 2, 2}), shapes::box({1, 1, 1}, {3, 3, 3})});
   EXPECT_EQ(reasonFor(join({boxes, sheet}), 0.0), FieldReason::Sheet);
-  // With most of the area, they may bound a solid together, but not beside more of a solid.
+  // They bound a solid together. If one is turned, they may with most of the area, but not beside more of a
+  // solid. Nor if one is missing.
   const Mesh apart = panels({5, 0, 0}, {8, 3, 3}, 0.2);
   EXPECT_EQ(reasonFor(apart, 0.1), FieldReason::Sheet);
   EXPECT_EQ(reasonFor(join({shapes::box({0, 0, 0}, {2, 2, 2}), apart}), 0.1), FieldReason::Sheet);
-  EXPECT_EQ(reasonFor(join({shapes::box({0, 0, 0}, {4, 4, 4}), apart}), 0.1), FieldReason::None);
+  const Mesh beside = shapes::box({0, 0, 0}, {4, 4, 4});
+  EXPECT_EQ(reasonFor(join({beside, apart}), 0.1), FieldReason::Sheet);
+  EXPECT_EQ(reasonFor(join({beside, oneTurned(apart)}), 0.1), FieldReason::None);
+  EXPECT_EQ(reasonFor(oneTurned(apart), 0.1), FieldReason::Sheet);
+  Mesh missing = apart;
+  missing.triangles.resize(10);
+  EXPECT_EQ(reasonFor(join({beside, missing}), 0.1), FieldReason::None);
+  // Nor if they enclose next to nothing.
+  EXPECT_EQ(reasonFor(join({beside, panels({5, 0, 0}, {8, 3, 0.06}, 0.01)}), 0.01), FieldReason::None);
   // One that has most of the area does not.
   const Mesh large = quads({{5, 0, 0}, {9, 0, 0}, {9, 7, 0}, {5, 7, 0}}, {{0, 1, 2, 3}});
   EXPECT_EQ(reasonFor(join({shapes::box({0, 0, 0}, {2, 2, 2}), large}), 0.1), FieldReason::None);
@@ -491,7 +506,7 @@ TEST(UniteParts, MakesPlatesOfSheetsWithBothSides) {
   const Mesh fin = quads({{3, 0, 0}, {5, 0, 0}, {5, 2, 0}, {3, 2, 0}}, {{0, 1, 2, 3}});
   const Mesh mesh = join({box, fin, shapes::inverted(fin)});
   ASSERT_TRUE(diagnose(mesh).balanced);
-  const UnitedParts united = uniteParts(Model(mesh), InsideOut::Turned, true, 0.125);
+  const UnitedParts united = uniteParts(Model(mesh), {InsideOut::Turned, true, 0.125});
   ASSERT_EQ(united.failure, FieldReason::None);
   EXPECT_TRUE(isAllRight(Model(united.mesh)));
   EXPECT_NEAR(diagnose(united.mesh).signedVolume, 8.5, 1e-6);
@@ -504,12 +519,12 @@ TEST(UniteParts, MakesPlatesOfSheetsWithBothSides) {
     EXPECT_EQ(cornersOf(united.mesh, united.mesh.triangles[f]),
               cornersOf(mesh, mesh.triangles[united.sources[f]]));
   }
-  EXPECT_EQ(uniteParts(Model(mesh), InsideOut::Turned, true, 0.0).failure, FieldReason::Sheet);
+  EXPECT_EQ(uniteParts(Model(mesh), {InsideOut::Turned, true, 0.0}).failure, FieldReason::Sheet);
   EXPECT_EQ(united.lostShare, 0.0);
   // A small one is left out if it cannot become a plate.
   const Mesh scale = quads({{3, 0, 0}, {3.25, 0, 0}, {3.25, 0.4, 0}, {3, 0.4, 0}}, {{0, 1, 2, 3}});
   const UnitedParts without =
-      uniteParts(Model(join({box, scale, shapes::inverted(scale)})), InsideOut::Turned, true, 0.0);
+      uniteParts(Model(join({box, scale, shapes::inverted(scale)})), {InsideOut::Turned, true, 0.0});
   ASSERT_EQ(without.failure, FieldReason::None);
   EXPECT_EQ(without.mesh.triangles.size(), box.triangles.size());
   EXPECT_NEAR(without.lostShare, 0.2 / 24.2, 1e-6);
@@ -522,7 +537,7 @@ TEST(UniteParts, MakesPlatesOfSheetsThatShareEdgesWithSolids) {
   const Mesh fin = quads({{0, 0, 2}, {2, 0, 2}, {2, 0, 4}, {0, 0, 4}}, {{0, 1, 2, 3}});
   const Mesh mesh = join({shapes::box({0, 0, 0}, {2, 2, 2}), fin});
   ASSERT_EQ(diagnose(mesh).sheets, 0u);  // It is one component with the box.
-  const UnitedParts united = uniteParts(Model(mesh), InsideOut::Turned, true, 0.25);
+  const UnitedParts united = uniteParts(Model(mesh), {InsideOut::Turned, true, 0.25});
   ASSERT_EQ(united.failure, FieldReason::None);
   EXPECT_TRUE(isAllRight(Model(united.mesh)));
   EXPECT_NEAR(diagnose(united.mesh).signedVolume, 9.0, 1e-4);
@@ -531,13 +546,13 @@ TEST(UniteParts, MakesPlatesOfSheetsThatShareEdgesWithSolids) {
 TEST(UniteParts, KeepsOneSideOfSolidsWithBoth) {
   const Mesh box = shapes::box({0, 0, 0}, {2, 2, 2}), ball = shapes::sphere(1.0, 3, {5, 0, 0});
   for (const Mesh& mesh : {join({ball, shapes::inverted(ball)}), join({shapes::inverted(ball), ball})}) {
-    const UnitedParts united = uniteParts(Model(mesh), InsideOut::Turned, true, 0.1);
+    const UnitedParts united = uniteParts(Model(mesh), {InsideOut::Turned, true, 0.1});
     ASSERT_EQ(united.failure, FieldReason::None);
     EXPECT_EQ(united.mesh.triangles.size(), ball.triangles.size());
     EXPECT_NEAR(diagnose(united.mesh).signedVolume, diagnose(ball).signedVolume, 1e-6);
   }
   const UnitedParts united =
-      uniteParts(Model(join({box, ball, shapes::inverted(ball)})), InsideOut::Turned, true, 0.1);
+      uniteParts(Model(join({box, ball, shapes::inverted(ball)})), {InsideOut::Turned, true, 0.1});
   EXPECT_NEAR(diagnose(united.mesh).signedVolume, 8.0 + diagnose(ball).signedVolume, 1e-5);
   EXPECT_EQ(united.cleanedFaces, ball.triangles.size());
 }
@@ -550,7 +565,7 @@ TEST(UniteParts, FillsBubblesBetweenPlates) {
     return std::ranges::count_if(found.pieces, &Piece::isCavity);
   };
   const auto unite = [&](const Mesh& sheets) {
-    return uniteParts(Model(join({ball, sheets})), InsideOut::Turned, true, 1.0);
+    return uniteParts(Model(join({ball, oneTurned(sheets)})), {InsideOut::Turned, true, 1.0});
   };
   const UnitedParts narrow = unite(panels({0, 0, 0}, {1.5, 1.5, 1.5}, 0.2));
   ASSERT_EQ(narrow.failure, FieldReason::None);
@@ -598,11 +613,11 @@ TEST(UniteParts, SewsNoRimsOfPartsThatContradictEachOther) {
   const double z = 2.0 + kGap;
   const std::vector<glm::dvec3> corners{{0, 0, z}, {2, 0, z}, {2, 2, z}, {0, 2, z}};
   const Mesh up = quads(corners, {{0, 1, 2, 3}}), down = quads(corners, {{3, 2, 1, 0}});
-  const UnitedParts sewn = uniteParts(Model(join({open, up})), InsideOut::Turned, true, kThickness);
+  const UnitedParts sewn = uniteParts(Model(join({open, up})), {InsideOut::Turned, true, kThickness});
   ASSERT_EQ(sewn.failure, FieldReason::None);
   EXPECT_EQ(sewn.sewnVertices, 4u);
   EXPECT_NEAR(diagnose(sewn.mesh).signedVolume, 8.0, 4.1 * kGap);
-  const UnitedParts apart = uniteParts(Model(join({open, down})), InsideOut::Turned, true, kThickness);
+  const UnitedParts apart = uniteParts(Model(join({open, down})), {InsideOut::Turned, true, kThickness});
   ASSERT_EQ(apart.failure, FieldReason::None);
   EXPECT_EQ(apart.sewnVertices, 0u);
   EXPECT_NEAR(diagnose(apart.mesh).signedVolume, 8.0 + 4.0 * (kGap + 0.5 * kThickness), 1e-4);
@@ -638,7 +653,7 @@ TEST(UniteParts, NumbersTurnedFacesAsGiven) {
                     shapes::inverted(shapes::box({5, 5, 5}, {6, 6, 6}))});
   mesh.triangles.insert(mesh.triangles.begin() + 1, {0, 0, 1});
   mesh.triangles.erase(mesh.triangles.begin());
-  const UnitedParts united = uniteParts(Model(mesh), InsideOut::Turned, true);
+  const UnitedParts united = uniteParts(Model(mesh), {InsideOut::Turned, true});
   ASSERT_EQ(united.failure, FieldReason::None);
   std::vector<uint32_t> faces(12);
   std::iota(faces.begin(), faces.end(), 24u);

@@ -113,8 +113,8 @@ std::vector<size_t> measureMesh(RepairRun& run) {
     }
   }
   if (const double area = areaOf(expected.areas, expected.points); area > 0.0) {
-    report.buriedShare = buriedArea / area;
-    report.lostShare = lostArea / area;
+    report.buriedShare += run.fieldShare() * buriedArea / area;
+    report.lostShare = run.fieldShare() * lostArea / area;
   }
   report.meshFromResult = summarize(visible, grid.spacing);
   report.keptFromResult = summarize(kept, grid.spacing);
@@ -153,7 +153,7 @@ void placeExpectedPoints(RepairRun& run) {
 }
 
 void measure(RepairRun& run) {
-  run.progress.part(0.2, 0.6);
+  run.progress.part(0.0, 0.6);
   eraseDrilled(run.expected, run.grid, run.holes);
   const std::vector<size_t> lost = measureMesh(run);
   run.progress.part(0.6, 1.0);

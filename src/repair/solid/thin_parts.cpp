@@ -244,20 +244,19 @@ void uniteWithPlates(const Mesh& middle, double thickness, RepairRun& run) {
 
 /// Warns of walls that became more than twice as thick, unless a least thickness was asked for.
 void warnOfThickened(const Thickened& thickened, const RepairRun& run) {
-  if (run.options.minThickness || thickened.grownShare < kNotableGrowth) return;
+  const double share = run.fieldShare() * thickened.grownShare;
+  if (run.options.minThickness || share < kNotableGrowth) return;
   const double voxelSize = roundDown(0.5 * thickened.thinnest);
   const double count = surfaceCubes(run.mesh(), voxelSize);
   const bool isPossible = count <= kMostAdvisedCubes;
   run.machine.warn(
       {WarningCode::PartsThickened,
-       numberText(100.0 * thickened.grownShare, 3) + " % of the mesh's surface is on walls about " +
+       numberText(100.0 * share, 3) + " % of the mesh's surface is on walls about " +
            numberText(thickened.median, 3) + " thick, which are " + numberText(run.report.leastThickness, 3) +
            " thick now; a voxel size of " + numberText(voxelSize, 3) + " keeps them, with " +
            numberText(count, 2) + " cubes of samples at the surface" +
            (isPossible ? "" : ", which is too many: repair parts of the mesh apart from each other"),
-       {.share = thickened.grownShare,
-        .length = run.report.leastThickness,
-        .voxelSize = isPossible ? voxelSize : 0.0}});
+       {.share = share, .length = run.report.leastThickness, .voxelSize = isPossible ? voxelSize : 0.0}});
 }
 
 }  // namespace
@@ -273,7 +272,7 @@ void thickenThinParts(RepairRun& run) {
   uniteWithPlates(parts.middleOfThin(run.mesh()), run.report.leastThickness, run);
   uniteWithPlates(parts.missed(run.mesh()), run.report.leastThickness, run);
   const Thickened thickened = parts.thickened();
-  run.report.thickenedShare = thickened.share;
+  run.report.thickenedShare += run.fieldShare() * thickened.share;
   warnOfThickened(thickened, run);
 }
 

@@ -67,7 +67,7 @@ Mesh cutAway(const Mesh& solid, const Plane& plane, std::vector<uint32_t>& sourc
   requireCut(solid, plane);
   Mesh mesh = solid;
   addPrism(mesh, plane);
-  UnitedParts rest = uniteParts(Model(mesh), InsideOut::Subtracted);
+  UnitedParts rest = uniteParts(Model(mesh), {.insideOut = InsideOut::Subtracted});
   sources = std::move(rest.sources);
   if (rest.failure == FieldReason::None) return std::move(rest.mesh);
   throw Error(ErrorCode::Unsupported,

@@ -31,8 +31,7 @@ struct RimVertex {
 };
 
 /// Returns the vertices on rims, in their order along `kAlong`.
-std::vector<RimVertex> rimVertices(const Mesh& mesh) {
-  const Box box = bounds(mesh);
+std::vector<RimVertex> rimVertices(const Mesh& mesh, double widest) {
   std::vector<double> reach(mesh.vertices.size(), INFINITY);
   Buffer<SortKey> keys;
   const std::span<const SortKey> halfEdges = sortHalfEdges(mesh, unwelded(mesh.vertices.size()), keys);
@@ -47,7 +46,7 @@ std::vector<RimVertex> rimVertices(const Mesh& mesh) {
   for (uint32_t v = 0; v < reach.size(); ++v)
     if (reach[v] < INFINITY)
       found.push_back({glm::dvec3(mesh.vertices[v]), glm::dot(kAlong, glm::dvec3(mesh.vertices[v])), v,
-                       std::min(reach[v], kWidest * glm::length(box.size()))});
+                       std::min(reach[v], widest)});
   std::ranges::stable_sort(found, {}, &RimVertex::along);
   return found;
 }
@@ -72,8 +71,8 @@ bool findNearest(std::vector<RimVertex>& rims) {
 }
 
 /// Joins pairs once. Returns how many vertices went.
-size_t sewOnce(Mesh& mesh) {
-  std::vector<RimVertex> rims = rimVertices(mesh);
+size_t sewOnce(Mesh& mesh, double widest) {
+  std::vector<RimVertex> rims = rimVertices(mesh, widest);
   if (!findNearest(rims)) return 0;
   std::vector<uint32_t> joined(mesh.vertices.size(), kNone);
   size_t count = 0;
@@ -92,11 +91,15 @@ size_t sewOnce(Mesh& mesh) {
 
 }  // namespace
 
-size_t sewCracks(Mesh& mesh) {
+size_t sewCracks(Mesh& mesh, double widest) {
   size_t count = 0;
-  while (const size_t more = sewOnce(mesh)) count += more;  // Several patches may meet at a place.
+  while (const size_t more = sewOnce(mesh, widest)) count += more;  // Several patches may meet at a place.
   if (count > 0) removeUnusedVertices(mesh);
   return count;
+}
+
+double widestCrack(const MeshView& mesh) {
+  return kWidest * glm::length(bounds(mesh).size());
 }
 
 }  // namespace raymap

@@ -61,10 +61,10 @@ struct Preparation {
   Mesh& mesh() { return united.mesh; }
 };
 
-/// Joins cracks, unless that makes faces contradict each other: rims of other parts lie there.
-void sew(Preparation& made) {
+/// Joins cracks up to a width, unless that makes faces contradict each other: rims of other parts lie there.
+void sew(Preparation& made, double crack) {
   Mesh sewn = made.mesh();
-  const size_t count = sewCracks(sewn);
+  const size_t count = sewCracks(sewn, crack);
   if (count == 0 ||
       diagnose(sewn, {.brief = true}).flippedEdges > diagnose(made.mesh(), {.brief = true}).flippedEdges)
     return;
@@ -98,7 +98,7 @@ void append(const Mesh& more, const std::vector<uint32_t>& sources, Mesh& mesh,
 std::optional<Plates> takeSheets(Preparation& made, const Diagnostics& found, double thickness) {
   const SheetFaces sheets = findSheets(Model(made.mesh()));
   const bool areMost = found.sheetShare * found.area > kMostSheets * (found.area + made.areaBeside);
-  if (thickness == 0.0 || (areMost && sheets.mayBoundSolid)) return {};
+  if (thickness == 0.0 || sheets.boundSolid || (areMost && sheets.mayBoundSolid)) return {};
   Plates plates = thickenSheets(made.mesh(), sheets.faces, thickness);
   if (plates.foldedShare > kMostFolded) return {};
   for (uint32_t& face : plates.sources) face = made.faces[face];
@@ -110,25 +110,25 @@ std::optional<Plates> takeSheets(Preparation& made, const Diagnostics& found, do
 }
 
 /// Makes a mesh balanced. Returns why that is not possible.
-FieldReason balance(const Model& given, InsideOut insideOut, bool closesHoles, double sheetThickness,
-                    Preparation& made) {
+FieldReason balance(const Model& given, const UniteOptions& options, Preparation& made) {
+  const bool mayTurn = options.insideOut == InsideOut::Turned;
   CleanedFaces cleaned = cleanFaces(given);
   made.mesh() = std::move(cleaned.mesh);
   made.faces = std::move(cleaned.given);
   made.united.cleanedFaces = cleaned.count;
-  if (insideOut == InsideOut::Turned) made.back = facesOf(turnBack(made.mesh(), true), made.faces);
-  if (closesHoles) sew(made);
+  if (mayTurn) made.back = facesOf(turnBack(made.mesh(), true), made.faces);
+  if (options.closesHoles) sew(made, options.crack > 0.0 ? options.crack : widestCrack(made.mesh()));
   Diagnostics found = diagnose(made.mesh());
   const double area = found.area;
   std::optional<Plates> plates;
   if (found.sheets > 0) {
-    plates = takeSheets(made, found, sheetThickness);
+    plates = takeSheets(made, found, options.sheetThickness);
     if (!plates) return FieldReason::Sheet;
     const bool isLeft = !made.mesh().triangles.empty();
     found = isLeft ? diagnose(made.mesh(), {.brief = true}) : Diagnostics{.balanced = true};
   }
   if (!found.balanced) {
-    const bool mayClose = closesHoles && (insideOut == InsideOut::Turned || found.consistentlyOriented);
+    const bool mayClose = options.closesHoles && (mayTurn || found.consistentlyOriented);
     if (!mayClose || !closeHolesOf(made.united, area, found)) return FieldReason::Open;
   }
   made.faces.resize(made.mesh().triangles.size(), kNoTriangle);
@@ -155,19 +155,18 @@ void fillBubbles(const std::vector<uint32_t>& sheets, double thickness, Mesh& me
 }
 
 /// Does what `uniteParts` does for faces with one side. Sets what the exact union is.
-UnitedParts uniteSides(const Model& given, InsideOut insideOut, bool closesHoles, double sheetThickness,
-                       UnitedFaces& exact, double areaBeside = 0.0) {
+UnitedParts uniteSides(const Model& given, const UniteOptions& options, UnitedFaces& exact,
+                       double areaBeside = 0.0) {
   UnitedParts united{.mesh = weldedCopy(given)};
   Preparation made{united, std::vector<uint32_t>(given.triangles.size())};
   std::iota(made.faces.begin(), made.faces.end(), 0u);
   made.areaBeside = areaBeside;
   if (!diagnose(united.mesh, {.brief = true}).balanced)
-    if (const FieldReason reason = balance(given, insideOut, closesHoles, sheetThickness, made);
-        reason != FieldReason::None)
+    if (const FieldReason reason = balance(given, options, made); reason != FieldReason::None)
       return {.failure = reason};
-  if (insideOut == InsideOut::Turned) united.inverted = findInvertedParts(united.mesh);
+  if (options.insideOut == InsideOut::Turned) united.inverted = findInvertedParts(united.mesh);
   turnFaces(united.mesh, united.inverted.faces);
-  SettledUnion settled = settleUnion(std::move(united.mesh), insideOut != InsideOut::Subtracted);
+  SettledUnion settled = settleUnion(std::move(united.mesh), options.insideOut != InsideOut::Subtracted);
   if (!settled.isRight) united.failure = FieldReason::Crossing;
   std::vector<uint32_t> inverted;
   std::ranges::set_symmetric_difference(united.inverted.faces, settled.exact.turned,
@@ -180,7 +179,7 @@ UnitedParts uniteSides(const Model& given, InsideOut insideOut, bool closesHoles
     for (uint32_t& f : *sources) f = made.faces[f];
   united.mesh = std::move(settled.mesh);
   united.sources = std::move(settled.sources);
-  if (!made.sheets.empty()) fillBubbles(made.sheets, sheetThickness, united.mesh, united.sources);
+  if (!made.sheets.empty()) fillBubbles(made.sheets, options.sheetThickness, united.mesh, united.sources);
   united.cutFaces = settled.exact.cutFaces + settled.partedFaces;
   united.cleanedFaces += settled.exact.repeatedFaces;
   united.movedVertices = settled.movedVertices;
@@ -212,14 +211,14 @@ void add(const UnitedParts& before, const UnitedParts& open, const std::vector<u
 
 }  // namespace
 
-UnitedParts uniteParts(const Model& given, InsideOut insideOut, bool closesHoles, double sheetThickness) {
+UnitedParts uniteParts(const Model& given, const UniteOptions& options) {
   UnitedFaces exact, rest;
-  UnitedParts parts = uniteSides(given, insideOut, closesHoles, sheetThickness, exact);
-  if (exact.open.triangles.empty() || insideOut == InsideOut::Subtracted) return parts;
+  UnitedParts parts = uniteSides(given, options, exact);
+  if (exact.open.triangles.empty() || options.insideOut == InsideOut::Subtracted) return parts;
   const double all = areaOf(given), area = areaOf(exact.open), beside = all - 2.0 * area;
   if (area <= kUnseen * all) return parts;
   // Both sides of sheets, or of solids, lie on each other.
-  UnitedParts open = uniteSides(Model(exact.open), insideOut, closesHoles, sheetThickness, rest, beside);
+  UnitedParts open = uniteSides(Model(exact.open), options, rest, beside);
   if (open.failure != FieldReason::None) {
     parts.lostShare = 2.0 * area / all;
     parts.lostBounds = bounds(exact.open);
@@ -229,7 +228,7 @@ UnitedParts uniteParts(const Model& given, InsideOut insideOut, bool closesHoles
   for (uint32_t& f : open.sources)
     if (f != kNoTriangle) f = exact.openSources[f];
   append(open.mesh, open.sources, exact.mesh, exact.sources);
-  UnitedParts united = uniteSides(Model(exact.mesh), insideOut, false, 0.0, rest);
+  UnitedParts united = uniteSides(Model(exact.mesh), {.insideOut = options.insideOut}, rest);
   add(parts, open, exact.sources, united);
   return united;
 }

@@ -38,12 +38,17 @@ enum class InsideOut : uint8_t {
   Subtracted  ///< They take away from the others.
 };
 
+struct UniteOptions {
+  InsideOut insideOut = InsideOut::Turned;
+  bool closesHoles = false;     ///< Whether to close all holes, unless faces contradict each other.
+  double sheetThickness = 0.0;  ///< Thickness of the plates of sheets; 0 = there may be no sheets.
+  double crack = 0.0;           ///< Width of cracks to join before holes are closed; 0 = `widestCrack`.
+};
+
 /// Cuts the faces of a mesh where they cross, overlap or touch, and keeps what bounds the union. If parts may
-/// be turned, turns back faces that contradict their part before. With `closesHoles`, closes all holes,
-/// unless faces still contradict each other. Sheets become plates of `sheetThickness`, if it is not 0, unless
-/// they may bound a solid together or have details finer than that. So do sheets whose other side lies on
-/// them, also beside solids; solids of which both sides are there keep one.
-UnitedParts uniteParts(const Model& mesh, InsideOut insideOut = InsideOut::Turned, bool closesHoles = false,
-                       double sheetThickness = 0.0);
+/// be turned, turns back faces that contradict their part before. Sheets become plates, unless they may bound
+/// a solid together or have details finer than their thickness. So do sheets whose other side lies on them,
+/// also beside solids; solids of which both sides are there keep one.
+UnitedParts uniteParts(const Model& mesh, const UniteOptions& options = {});
 
 }  // namespace raymap
