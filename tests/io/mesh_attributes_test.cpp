@@ -333,7 +333,8 @@ void expectTextured(const Mesh& mesh, const MeshAttributes& found) {
       EXPECT_LT(glm::distance(uv, samples::uvAt(mesh.position(t[k]), normal)), 1e-6F) << f << " " << k;
       if (found.materialOf[f] == 1) continue;
       const glm::vec4 colour = found.colours.values.at(found.colours.corners[f][k]);
-      EXPECT_LT(glm::distance(colour, {0.2F, 0.4F, 0.0F, 1.0F}), 1e-6F) << f;
+      // 0.2 and 0.4 in sRGB.
+      EXPECT_LT(glm::distance(colour, {0.484529F, 0.665185F, 0.0F, 1.0F}), 2e-6F) << f;
     }
   }
 }
@@ -380,6 +381,25 @@ TEST_F(MeshAttributesTest, OfAGlbAreKeptAndWrittenAgain) {
   store("out.obj", mesh);
   EXPECT_EQ(said_, "attributes_lost out.obj: it lacks what the given mesh has: looks of materials\n");
   expectTextured(load(path("out.obj")), found_);
+}
+
+TEST_F(MeshAttributesTest, ColoursOfAGlbAreLinear) {
+  store("out.glb", loadText("in.obj", "v 0 0 0 0.25 0.5 1\nv 1 0 0 0 1 0.02\nv 0 1 0 1 1 1\nf 1 2 3\n"));
+  const std::string bytes = readBytes(path("out.glb"));
+  // Those of the sRGB standard: ((c + 0.055) / 1.055)^2.4, and c / 12.92 below 0.04045.
+  for (const std::vector<float>& linear :
+       {std::vector<float>{0.0508761F, 0.2140411F, 1.0F, 1.0F}, {0.0F, 1.0F, 0.00154799F, 1.0F}}) {
+    bool isFound = false;
+    for (size_t at = 0; at + 16 <= bytes.size(); at += 4) {
+      float values[4];
+      std::memcpy(values, bytes.data() + at, sizeof(values));
+      isFound |= std::ranges::equal(values, linear, [](float a, float b) { return std::abs(a - b) < 1e-6F; });
+    }
+    EXPECT_TRUE(isFound) << linear[0];
+  }
+  load(path("out.glb"));
+  EXPECT_LT(glm::distance(colourAt(0, 0), {0.25F, 0.5F, 1.0F, 1.0F}), 1e-6F);
+  EXPECT_LT(glm::distance(colourAt(0, 1), {0.0F, 1.0F, 0.02F, 1.0F}), 1e-6F);
 }
 
 TEST_F(MeshAttributesTest, OfAnObjAreInAGlbToo) {

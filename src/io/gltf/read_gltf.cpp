@@ -10,6 +10,7 @@
 
 #include "base/text.h"
 #include "io/gltf/gltf_scene.h"
+#include "io/mesh/base_colour.h"
 #include "io/mesh/mesh_file.h"
 #include "mesh/attribute_words.h"
 
@@ -86,6 +87,7 @@ class AttributeReader {
   void finish() {
     const auto isNone = [](const auto& at) { return at == std::remove_cvref_t<decltype(at)>(kNoAttribute); };
     if (isLost(kUvs) || std::ranges::all_of(found_.uvs.corners, isNone)) found_.uvs = {};
+    for (glm::vec4& colour : found_.colours.values) colour = encodedColour(colour);
     if (isLost(kColours) || std::ranges::all_of(found_.colours.corners, isNone)) found_.colours = {};
     if (isLost(kMaterials) || std::ranges::all_of(found_.materialOf, isNone))
       return found_.materialOf.clear();

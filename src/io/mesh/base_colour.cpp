@@ -17,6 +17,14 @@ double encoded(double value) {
 
 }  // namespace
 
+glm::vec4 linearColour(const glm::vec4& colour) {
+  return {linear(colour.x), linear(colour.y), linear(colour.z), colour.w};
+}
+
+glm::vec4 encodedColour(const glm::vec4& colour) {
+  return {encoded(colour.x), encoded(colour.y), encoded(colour.z), colour.w};
+}
+
 nlohmann::json gltfMaterial(const std::string& name, const glm::vec4& colour) {
   nlohmann::json material = {
       {"name", name},

@@ -6,6 +6,10 @@
 
 namespace raymap {
 
+// Colours of a mesh are sRGB, those of a glTF are linear.
+glm::vec4 linearColour(const glm::vec4& colour);
+glm::vec4 encodedColour(const glm::vec4& colour);
+
 /// Returns a glTF's material of a base colour (sRGB and alpha, from 0 to 1).
 nlohmann::json gltfMaterial(const std::string& name, const glm::vec4& colour);
 

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "base/parallel_sort.h"
+#include "io/mesh/base_colour.h"
 #include "io/mesh/gltf_materials.h"
 #include "io/mesh/mesh_formats.h"
 #include "io/mesh/named_objects.h"
@@ -71,7 +72,7 @@ std::vector<GlbPrimitive> split(const NamedObject& object, const MeshAttributes&
       primitive.own.vertices.push_back(object.mesh().vertices[c[1]]);
       if (!attributes.uvs.corners.empty()) primitive.uvs.emplace_back(values[2], values[3]);
       if (!attributes.colours.corners.empty())
-        primitive.colours.emplace_back(values[4], values[5], values[6], values[7]);
+        primitive.colours.push_back(linearColour({values[4], values[5], values[6], values[7]}));
     }
     last = &c;
     triangles[c[8] / 3][int(c[8] % 3)] = uint32_t(primitive.own.vertices.size() - 1);
