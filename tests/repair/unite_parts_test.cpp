@@ -16,6 +16,7 @@
 #include "mesh/diagnostics.h"
 #include "mesh/pieces.h"
 #include "repair/topology/mend.h"
+#include "repair/topology/sew_cracks.h"
 #include "shapes.h"
 
 namespace raymap {
@@ -485,6 +486,24 @@ TEST(UniteParts, LeavesSheetsToTheField) {
     }
   EXPECT_EQ(reasonFor(quads(corners, cells), 0.02), FieldReason::None);
   EXPECT_EQ(reasonFor(quads(corners, cells), 5.0), FieldReason::Sheet);
+}
+
+TEST(UniteParts, JoinsNoCracksThatWouldLeaveNoFaces) {
+  // The short edges of both are as close to each other as the sides of a crack.
+  Mesh slivers;
+  slivers.vertices = {{0.876307F, 0.481754F, 0},
+                      {0.904827F, 0.425779F, 0},
+                      {0.902963F, 0.425107F, 0},
+                      {0.929776F, 0.368125F, 0},
+                      {0.903042F, 0.424939F, 0}};
+  slivers.triangles = {{0, 1, 2}, {1, 3, 4}};
+  Mesh joined = slivers;
+  EXPECT_GT(sewCracks(joined, 0.01), 0u);
+  const UnitedParts united =
+      uniteParts(Model(slivers), {.closesHoles = true, .sheetThickness = 0.1, .crack = 0.01});
+  EXPECT_EQ(united.failure, FieldReason::None);
+  EXPECT_EQ(united.sewnVertices, 0u);
+  EXPECT_TRUE(isAllRight(Model(united.mesh)));
 }
 
 TEST(UniteParts, MakesAPlateOfASheetAlone) {

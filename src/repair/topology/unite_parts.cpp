@@ -68,11 +68,12 @@ void sew(Preparation& made, double crack) {
   if (count == 0 ||
       diagnose(sewn, {.brief = true}).flippedEdges > diagnose(made.mesh(), {.brief = true}).flippedEdges)
     return;
-  made.mesh() = std::move(sewn);
-  made.united.sewnVertices = count;
   std::vector<uint32_t> flat;
   for (uint32_t f = 0; f < made.faces.size(); ++f)
-    if (hasRepeatedCorner(made.mesh().triangles[f])) flat.push_back(f);
+    if (hasRepeatedCorner(sewn.triangles[f])) flat.push_back(f);
+  if (flat.size() == made.faces.size()) return;
+  made.mesh() = std::move(sewn);
+  made.united.sewnVertices = count;
   takeOut(flat, made.mesh(), made.faces);
 }
 
