@@ -40,7 +40,7 @@ struct MeshAttributes {
   std::vector<std::string> materials = {};            ///< Names of materials.
   std::vector<uint32_t> materialOf = {};              ///< Material of each triangle, or `kNone`.
   std::vector<std::filesystem::path> libraries = {};  ///< Files that describe the materials.
-  std::shared_ptr<const GltfMaterials> gltf = {};     ///< Looks of `materials` that a glTF had, for a .glb.
+  std::shared_ptr<const GltfMaterials> gltf = {};     ///< Looks of `materials`, as a glTF has them.
   CornerValues<glm::vec2> uvs = {};                   ///< Texture coordinates; (0, 0) is bottom left.
   CornerValues<glm::vec4> colours = {};               ///< Red, green, blue (sRGB) and alpha, from 0 to 1.
   /// Attributes of the file that no array holds, in words: "3 materials".

@@ -3,9 +3,12 @@
 #include <raymap/io.h>
 
 #include <cstdlib>
+#include <functional>
 #include <thread>
 
+#include "files.h"
 #include "import_samples.h"
+#include "io/import/import_stream.h"
 #include "mesh_samples.h"
 
 namespace raymap {
@@ -82,6 +85,71 @@ TEST(ImportMesh, AppliesNodesAndInstancesOfDae) {
   EXPECT_EQ(samples::areaVector(mesh), glm::dvec3(0, 0, 4)) << "the mirrored instance faces the same way";
 }
 
+TEST(ImportMesh, ReadsAttributes) {
+  const TemporaryFile file("attributes.dae", samples::attributedDae());
+  MeshAttributes found;
+  std::string said;
+  const auto warn = [&](const Warning& warning) { said += warning.message + "\n"; };
+  const Mesh mesh = readMesh(file.path(), {.warn = warn, .attributes = &found});
+  EXPECT_EQ(mesh.triangles, readMesh(file.path()).triangles);
+  ASSERT_EQ(mesh.triangles.size(), 6u);
+  EXPECT_EQ(found.parts, (std::vector<MeshPart>{{"left"}, {"right"}}));
+  EXPECT_EQ(found.materials, (std::vector<std::string>{"red paint", "glass"}));
+  const uint32_t none = MeshAttributes::kNone;
+  EXPECT_EQ(found.partOf, (std::vector<uint32_t>{0, 0, 1, 1, none, none}));
+  // Assimp gives the third one a material that it does not have.
+  EXPECT_TRUE(std::equal(found.materialOf.begin(), found.materialOf.begin() + 4, found.partOf.begin()));
+  const std::vector<glm::vec2> uvs{{0, 0}, {1, 0}, {1, 1}, {0, 0.25}};
+  const std::vector<glm::vec4> colours{{1, 0, 0, 1}, {0, 1, 0, 1}, {0, 0, 1, 1}, {0.5, 0.25, 1, 1}};
+  for (size_t f = 0; f < 6; ++f)
+    for (int c = 0; c < 3; ++c) {
+      const uint32_t uv = found.uvs.corners[f][c], colour = found.colours.corners[f][c];
+      EXPECT_EQ(uv == none, f >= 4);
+      EXPECT_EQ(colour == none, f >= 4);
+      if (f >= 4) continue;
+      const glm::dvec3 p = mesh.position(mesh.triangles[f][c]);
+      const size_t corner = p.y == 0.0 ? size_t(p.x) : size_t(3.0 - p.x);
+      EXPECT_EQ(found.uvs.values[uv], uvs[corner]);
+      EXPECT_EQ(found.colours.values[colour], colours[corner]);
+    }
+  EXPECT_EQ(found.lost.size(), 0u);
+  EXPECT_EQ(said, "");
+  const TemporaryFile obj("out.obj", ""), package("out.3mf", ""), scene("out.glb", "");
+  writeMesh(obj.path(), mesh, {.warn = warn, .attributes = &found});
+  EXPECT_NE(readBytes(obj.path()).find("o right\nusemtl glass\nf 5/5 6/6 7/7\n"), std::string::npos);
+  EXPECT_EQ(said, obj.path().string() + ": it lacks what the given mesh has: looks of materials\n");
+  said = {};
+  writeMesh(scene.path(), mesh, {.warn = warn, .attributes = &found});
+  EXPECT_EQ(said, "");
+  // The linear value of one half, and the alpha of the glass.
+  const std::string glb = readBytes(scene.path());
+  for (const char* kept :
+       {R"("name":"red paint")", R"("baseColorFactor":[1.0,0.21404114)", R"([0.0,0.0,1.0,0.25])"})
+    EXPECT_NE(glb.find(kept), std::string::npos) << kept;
+  writeMesh(package.path(), mesh, {.warn = warn, .attributes = &found});
+  EXPECT_EQ(said, package.path().string() +
+                      ": it lacks what the given mesh has: texture coordinates and materials of 4 coloured "
+                      "triangles; an .obj keeps texture coordinates\n");
+}
+
+TEST(ImportMesh, SaysWhatOfAnFbxIsLost) {
+  MeshAttributes found;
+  readMesh(std::filesystem::path(RAYMAP_TEST_DATA) / "scene.fbx", {.attributes = &found});
+  EXPECT_EQ(found.parts, (std::vector<MeshPart>{{"Again"}, {"Box"}, {"Wedge"}}));
+  EXPECT_EQ(found.materials.size(), 0u);
+  EXPECT_EQ(found.lost.size(), 0u);
+  std::string textured = samples::attributedDae();
+  textured = replaced(textured, "<color>1 0.5 0 1</color>", R"(<texture texture="s" texcoord="u"/>)");
+  textured = replaced(textured, R"(<input semantic="COLOR" source="#hc" offset="2"/>)",
+                      R"(<input semantic="TEXCOORD" source="#ht" offset="1" set="1"/>)"
+                      R"(<input semantic="COLOR" source="#hc" offset="2"/>)"
+                      R"(<input semantic="COLOR" source="#hc" offset="2" set="1"/>)");
+  const TemporaryFile file("textured.dae", textured);
+  readMesh(file.path(), {.attributes = &found});
+  EXPECT_EQ(found.lost,
+            (std::vector<std::string>{"1 texture", "further texture coordinates", "further colours"}));
+}
+
 void expectNear(const glm::dvec3& a, const glm::dvec3& b) {
   EXPECT_LT(glm::distance(a, b), 1e-4 * glm::length(b)) << a.x << ' ' << a.y << ' ' << a.z;
 }
@@ -154,6 +222,90 @@ class InPlaceOfTheImporter {
   TemporaryFile file_;
 };
 
+/// What an importer sends of two triangles with attributes.
+struct Sent {
+  MeshHeader header{.vertices = 4, .triangles = 2, .runs = 2, .parts = 1, .materials = 1, .nameBytes = 5};
+  std::vector<MeshRun> runs{{1, 0, MeshRun::kNone, 1, 0}, {1, MeshRun::kNone, 0, 0, 1}};
+  std::string names{"a\0bc\0", 5};
+  std::vector<glm::vec4> materials{{1, 1, 0, 1}}, colours = std::vector<glm::vec4>(4, {0, 0, 1, 1});
+  std::vector<glm::vec2> uvs = std::vector<glm::vec2>(4, {0, 1});
+
+  Sent() { header.hasUvs = header.hasColours = 1; }
+
+  std::string bytes() const {
+    const ImportHeader first;
+    std::string all;
+    const auto add = [&](const void* data, size_t size) { all.append(static_cast<const char*>(data), size); };
+    const auto addAll = [&](const auto& values) { add(values.data(), values.size() * sizeof(values[0])); };
+    add(&first, sizeof(first));
+    add(&header, sizeof(header));
+    addAll(std::vector<glm::dvec3>{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}});
+    addAll(std::vector<glm::uvec3>{{0, 1, 2}, {0, 2, 3}});
+    addAll(runs);
+    addAll(names);
+    addAll(materials);
+    addAll(uvs);
+    addAll(colours);
+    return all;
+  }
+};
+
+TEST(ImportMesh, RefusesAttributesThatDoNotFit) {
+  MeshAttributes found;
+  std::string said;
+  const auto receive = [&](const std::string& bytes) -> std::string {
+    const TemporaryFile stream("stream", bytes), file("import.dae", "");
+    const InPlaceOfTheImporter sender("cat '" + stream.path().string() + "'");
+    found = {}, said = {};
+    try {
+      const auto warn = [&](const Warning& warning) { said += warning.message + "\n"; };
+      EXPECT_EQ(readMesh(file.path(), {.warn = warn, .attributes = &found}).triangles.size(), 2u);
+    } catch (const Error& error) {
+      return std::string(error.what()).substr(file.path().string().size());
+    }
+    return {};
+  };
+  const auto receiveWith = [&](const std::function<void(Sent&)>& change) {
+    Sent sent;
+    change(sent);
+    return receive(sent.bytes());
+  };
+  EXPECT_EQ(receiveWith([](Sent&) {}), "");
+  EXPECT_EQ(found.parts, (std::vector<MeshPart>{{"a"}}));
+  EXPECT_EQ(found.materials, (std::vector<std::string>{"bc"}));
+  const uint32_t none = MeshAttributes::kNone;
+  EXPECT_EQ(found.partOf, (std::vector<uint32_t>{0, none}));
+  EXPECT_EQ(found.materialOf, (std::vector<uint32_t>{none, 0}));
+  EXPECT_EQ(found.uvs.corners, (std::vector<glm::uvec3>{{0, 1, 2}, glm::uvec3(none)}));
+  EXPECT_EQ(found.colours.corners, (std::vector<glm::uvec3>{glm::uvec3(none), {0, 2, 3}}));
+  const std::vector<std::function<void(Sent&)>> faults{
+      [](Sent& s) { s.runs[0].part = 1; },
+      [](Sent& s) { s.runs[1].material = 1; },
+      [](Sent& s) { s.runs[1].triangles = 0; },
+      [](Sent& s) { s.runs[1].triangles = 2; },
+      [](Sent& s) { s.runs[1].triangles = UINT64_MAX; },
+      [](Sent& s) { s.names[4] = 'd'; },
+      [](Sent& s) { s.names[2] = '\0'; },
+      [](Sent& s) { s.names[1] = 'x'; },
+  };
+  for (size_t f = 0; f < faults.size(); ++f)
+    EXPECT_EQ(receiveWith(faults[f]), ": its attributes do not fit its triangles") << f;
+  for (uint64_t MeshHeader::*count :
+       {&MeshHeader::runs, &MeshHeader::parts, &MeshHeader::materials, &MeshHeader::nameBytes})
+    EXPECT_TRUE(contains(receiveWith([&](Sent& s) { s.header.*count = uint64_t{1} << 60; }),
+                         "more than 2^32 parts, materials or bytes of their names"));
+  const std::string whole = Sent().bytes();
+  for (size_t size = whole.size() - 1; size > sizeof(ImportHeader) + sizeof(MeshHeader); size -= 7)
+    EXPECT_NE(receive(whole.substr(0, size)), "") << size;
+  EXPECT_EQ(receiveWith([](Sent& s) { s.uvs[2].y = NAN; }), "");
+  EXPECT_TRUE(contains(said, ": its texture coordinates are not all finite numbers, and are left out"));
+  EXPECT_TRUE(found.uvs.corners.empty() && !found.colours.corners.empty());
+  EXPECT_EQ(receiveWith([](Sent& s) { s.names = std::string("\0bcd\0", 5); }), "");
+  EXPECT_EQ(found.parts, (std::vector<MeshPart>{{""}}));
+  EXPECT_EQ(receiveWith([](Sent& s) { s.names = std::string("a\0\0", 3), s.header.nameBytes = 3; }), "");
+  EXPECT_EQ(found.materials, (std::vector<std::string>{"material 0"}));
+}
+
 TEST(ImportMesh, SurvivesWhateverTheImporterDoes) {
   {
     const InPlaceOfTheImporter crash("kill -SEGV $$");
@@ -175,7 +327,7 @@ TEST(ImportMesh, SurvivesWhateverTheImporterDoes) {
   {
     // A header that announces 2^56 vertices.
     const InPlaceOfTheImporter liar(
-        R"(printf 'RMI8\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\001\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0' && head -c 32 /dev/zero)");
+        R"(printf 'RMI9\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\001\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0' && head -c 72 /dev/zero)");
     EXPECT_TRUE(contains(errorAs(".dae", ""), "more than 2^32 triangles or vertices"));
   }
   setenv("RAYMAP_IMPORT", "/nonexistent/importer", 1);

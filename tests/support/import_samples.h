@@ -20,6 +20,48 @@ inline std::string dae(const std::string& nodes = R"(<node><instance_geometry ur
          R"(</visual_scene></library_visual_scenes><scene><instance_visual_scene url="#s"/></scene></COLLADA>)";
 }
 
+/// Returns a DAE file: the square of `dae` with texture coordinates and colours of corners, in two nodes with
+/// a material each, and without any of this in a third one, which mirrors it and has no name.
+inline std::string attributedDae() {
+  const auto source = [](const std::string& id, int stride, const std::string& names,
+                         const std::string& numbers) {
+    std::string params;
+    for (const char name : names) params += std::string(R"(<param name=")") + name + R"(" type="float"/>)";
+    return "<source id=\"" + id + "\"><float_array id=\"" + id + "a\" count=\"" + std::to_string(4 * stride) +
+           "\">" + numbers + "</float_array><technique_common><accessor source=\"#" + id +
+           "a\" count=\"4\" stride=\"" + std::to_string(stride) + "\">" + params +
+           "</accessor></technique_common></source>";
+  };
+  const auto effect = [](const std::string& id, const std::string& colour, const std::string& more) {
+    return "<effect id=\"" + id + R"("><profile_COMMON><technique sid="common"><lambert><diffuse>)" + colour +
+           "</diffuse>" + more + "</lambert></technique></profile_COMMON></effect>";
+  };
+  const auto node = [](const std::string& name, const std::string& place, const std::string& material) {
+    return R"(<node id="id of )" + name + R"(" name=")" + name + "\">" + place +
+           R"(<instance_geometry url="#h"><bind_material><technique_common><instance_material symbol="m" target="#)" +
+           material + R"("/></technique_common></bind_material></instance_geometry></node>)";
+  };
+  std::string text = dae(node("left", "", "red") + node("right", "<translate>0 0 5</translate>", "glass") +
+                         R"(<node><scale>-1 1 1</scale><instance_geometry url="#g"/></node>)");
+  text.insert(text.find("<library_geometries>"),
+              "<library_effects>" + effect("re", "<color>1 0.5 0 1</color>", "") +
+                  effect("ge", "<color>0 0 1 1</color>",
+                         R"(<transparent opaque="A_ONE"><color>0 0 0 0.25</color></transparent>)") +
+                  R"(</library_effects><library_materials><material id="red" name="red paint">)"
+                  R"(<instance_effect url="#re"/></material><material id="glass" name="glass">)"
+                  R"(<instance_effect url="#ge"/></material></library_materials>)");
+  text.insert(text.find("</library_geometries>"),
+              R"(<geometry id="h"><mesh>)" + source("hp", 3, "XYZ", "0 0 0 1 0 0 1 1 0 0 1 0") +
+                  source("ht", 2, "ST", "0 0 1 0 1 1 0 0.25") +
+                  source("hc", 3, "RGB", "1 0 0 0 1 0 0 0 1 0.5 0.25 1") +
+                  R"(<vertices id="hv"><input semantic="POSITION" source="#hp"/></vertices>)"
+                  R"(<polylist count="1" material="m"><input semantic="VERTEX" source="#hv" offset="0"/>)"
+                  R"(<input semantic="TEXCOORD" source="#ht" offset="1" set="0"/>)"
+                  R"(<input semantic="COLOR" source="#hc" offset="2"/><vcount>4</vcount>)"
+                  R"(<p>0 0 0 1 1 1 2 2 2 3 3 3</p></polylist></mesh></geometry>)");
+  return text;
+}
+
 inline std::string fbx() {
   return "; FBX 7.3.0 project file\nFBXHeaderExtension:  {\n\tFBXHeaderVersion: 1003\n\tFBXVersion: 7300\n}\n"
          "Objects:  {\n\tGeometry: 10, \"Geometry::\", \"Mesh\" {\n\t\tVertices: *12 {\n\t\t\ta: "

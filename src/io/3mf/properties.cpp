@@ -192,7 +192,7 @@ std::vector<std::string> lostIn3mf(const MeshAttributes& attributes) {
   bool isMore = !attributes.libraries.empty();
   for (size_t m = 0; m < attributes.materials.size(); ++m) {
     const nlohmann::json look = lookOf(attributes, m);
-    isMore = isMore || (!look.is_null() && look != gltfMaterial(attributes.materials[m], baseColour(look)));
+    isMore = isMore || (!look.is_null() && !isBaseColour(look));
   }
   if (isMore) lost.emplace_back("looks of materials");
   return lost;

@@ -3,6 +3,7 @@
 #include <raymap/error.h>
 
 #include "io/field/field_array.h"
+#include "io/import/import_attributes.h"
 #include "io/import/import_stream.h"
 #include "io/import/importer.h"
 #include "io/import/oversized_number.h"
@@ -24,14 +25,6 @@ Importer startImport(const SourceFile& source, std::string_view format, const Me
   }
 }
 
-/// Appends what the file says beside its mesh, in words.
-void noteUnread(const MeshHeader& header, std::vector<std::string>& lost) {
-  if (header.partNames > 0) lost.push_back(counted(header.partNames, "part name"));
-  if (header.materials > 0) lost.push_back(counted(header.materials, "material"));
-  if (header.hasUvs != 0) lost.emplace_back("texture coordinates");
-  if (header.hasColours != 0) lost.emplace_back("colours");
-}
-
 }  // namespace
 
 Mesh importMesh(const SourceFile& source, std::string_view format, const MeshFile& file) {
@@ -42,10 +35,12 @@ Mesh importMesh(const SourceFile& source, std::string_view format, const MeshFil
   if (header.otherFaces > 0)
     file.warnThat(std::to_string(header.otherFaces) + " points, lines or empty faces ignored");
   warnOfPolygons(file, 0, header.uncutFaces);
-  if (file.attributes) noteUnread(header, file.attributes->lost);
   if (header.vertices > UINT32_MAX || header.triangles > UINT32_MAX)
     throwUnsupported(path, "more than 2^32 triangles or vertices");
-  checkMemory(file, header.vertices * sizeof(glm::dvec3) + header.triangles * sizeof(glm::uvec3));
+  for (const uint64_t count : {header.runs, header.parts, header.materials, header.nameBytes})
+    if (count > UINT32_MAX) throwUnsupported(path, "more than 2^32 parts, materials or bytes of their names");
+  checkMemory(file, header.vertices * sizeof(glm::dvec3) + header.triangles * sizeof(glm::uvec3) +
+                        (file.attributes ? attributeBytes(header) : 0));
   std::vector<glm::dvec3> positions(header.vertices);
   std::vector<glm::uvec3> triangles(header.triangles);
   importer.receive(positions.data(), positions.size() * sizeof(glm::dvec3));
@@ -54,6 +49,7 @@ Mesh importMesh(const SourceFile& source, std::string_view format, const MeshFil
     for (int c = 0; c < 3; ++c)
       if (triangles[t][c] >= positions.size())
         file.fail("triangle " + std::to_string(t) + ": " + outOfRange(triangles[t][c], positions.size()));
+  if (file.attributes) importAttributes(file, header, triangles, importer);
   return finishMesh(file, std::move(positions), std::move(triangles));
 }
 

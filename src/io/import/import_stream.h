@@ -2,7 +2,10 @@
 
 // Output of `raymap-import`, in the machine's own byte order: an ImportHeader and its message. Unless that is
 // an error, one of these follows:
-// - a MeshHeader, the positions (three doubles each) and the triangles (three 32-bit indices each);
+// - a MeshHeader, the positions (three doubles each), the triangles (three 32-bit indices each), and the
+//   attributes: the MeshRuns, the names of parts and of materials, each with a 0 at its end, the colours of
+//   materials (glm::vec4 each, sRGB), and for each vertex the texture coordinates (glm::vec2) and the colour
+//   (glm::vec4, sRGB), if there are any;
 // - for each mesh of a request for Draco, a MeshHeader, the triangles, and for each attribute that was asked
 //   for the number of its components (64 bits) and its numbers (doubles);
 // - for each grid, a VdbHeader and the samples (four bytes each, x fastest);
@@ -14,7 +17,7 @@
 
 namespace raymap {
 
-inline constexpr uint32_t kImportMagic = 0x38494d52;  // RMI8
+inline constexpr uint32_t kImportMagic = 0x39494d52;  // RMI9
 
 struct ImportHeader {
   uint32_t magic = kImportMagic;
@@ -29,10 +32,23 @@ struct MeshHeader {
   uint64_t triangles = 0;
   uint64_t otherFaces = 0;  ///< Points, lines and faces without corners, which are left out.
   uint64_t uncutFaces = 0;  ///< Those that `PolygonCut::None` describes.
-  // Attributes, which are not read: named nodes with meshes, materials, and whether there are others.
-  uint64_t partNames = 0, materials = 0, hasUvs = 0, hasColours = 0;
+  uint64_t runs = 0, parts = 0, materials = 0;
+  uint64_t nameBytes = 0;                 ///< Bytes of all names.
+  uint64_t hasUvs = 0, hasColours = 0;    ///< Whether any vertex has these.
+  uint64_t moreUvs = 0, moreColours = 0;  ///< Whether there are further ones, which are left out.
+  uint64_t textures = 0;                  ///< Number of textures, which are left out.
 };
-static_assert(sizeof(MeshHeader) == 64);
+static_assert(sizeof(MeshHeader) == 104);
+
+/// Triangles in a row that have a part and a material, or `kNone`.
+struct MeshRun {
+  static constexpr uint32_t kNone = UINT32_MAX;
+
+  uint64_t triangles = 0;
+  uint32_t part = kNone, material = kNone;
+  uint32_t hasUvs = 0, hasColours = 0;  ///< Whether their vertices have these.
+};
+static_assert(sizeof(MeshRun) == 24);
 
 /// Begins each mesh of a request for Draco, a file that only `raymap-import` reads. The unique numbers of the
 /// attributes (32 bits each) and the compressed bytes follow.

@@ -7,6 +7,8 @@ namespace raymap {
 
 namespace {
 
+const nlohmann::json::json_pointer kFactor("/pbrMetallicRoughness/baseColorFactor");
+
 double linear(double value) {
   return value <= 0.04045 ? value / 12.92 : std::pow((value + 0.055) / 1.055, 2.4);
 }
@@ -36,7 +38,6 @@ nlohmann::json gltfMaterial(const std::string& name, const glm::vec4& colour) {
 }
 
 glm::vec4 baseColour(const nlohmann::json& material) {
-  static const nlohmann::json::json_pointer kFactor("/pbrMetallicRoughness/baseColorFactor");
   glm::vec4 colour(1.0F);
   if (!material.is_object() || !material.contains(kFactor)) return colour;
   const nlohmann::json& factor = material[kFactor];
@@ -47,6 +48,14 @@ glm::vec4 baseColour(const nlohmann::json& material) {
     colour[c] = float(std::round(255.0 * (c < 3 ? encoded(value) : value))) / 255.0F;
   }
   return colour;
+}
+
+bool isBaseColour(const nlohmann::json& material) {
+  if (!material.is_object()) return false;
+  nlohmann::json plain = gltfMaterial("", baseColour(material)), given = material;
+  if (material.contains(kFactor)) plain[kFactor] = material[kFactor];  // Before it was rounded.
+  given["name"] = "";
+  return given == plain;
 }
 
 }  // namespace raymap

@@ -17,4 +17,7 @@ nlohmann::json gltfMaterial(const std::string& name, const glm::vec4& colour);
 /// none that is valid.
 glm::vec4 baseColour(const nlohmann::json& material);
 
+/// Returns whether a glTF's material has no look but a base colour.
+bool isBaseColour(const nlohmann::json& material);
+
 }  // namespace raymap

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <raymap/mesh.h>
+#include <raymap/mesh_view.h>
 
 #include <cstddef>
 
