@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <iterator>
+#include <numeric>
 #include <utility>
 
 #include "api/field_warnings.h"
@@ -20,6 +21,7 @@ namespace raymap {
 namespace {
 
 constexpr double kGap = 4.0;         // Samples between groups: plates and isosurfaces reach two beyond them.
+constexpr double kClosedGap = 0.1;   // Between those of closed parts.
 constexpr double kMostSheets = 0.5;  // Share of the area. With more, sheets may bound a solid together.
 
 /// Parts of a mesh that are apart from all others, or may be taken so.
@@ -47,7 +49,10 @@ class Groups {
              .closesHoles = run.options.closeHoles,
              .sheetThickness = leastThickness(run.options, run.grid),
              .crack = widestCrack(mesh)} {
-    for (std::vector<uint32_t>& faces : groupsApart(mesh, kGap * run.grid.spacing)) {
+    // Plates and isosurfaces may reach beyond open parts.
+    const bool areClosed = diagnose(mesh, {.brief = true}).boundaryEdges == 0;
+    const double gap = (areClosed ? kClosedGap : kGap) * run.grid.spacing;
+    for (std::vector<uint32_t>& faces : groupsApart(mesh, gap)) {
       all_.emplace_back(mesh, std::move(faces));
       area_ += all_.back().area;
     }
@@ -71,7 +76,13 @@ class Groups {
   double area() const { return area_; }
 
  private:
-  void unite(Group& group) const { group.united = uniteParts(Model(group.part), how_); }
+  void unite(Group& group) const {
+    if (all_.size() == 1 || !isAllRight(Model(group.part)))
+      return void(group.united = uniteParts(Model(group.part), how_));
+    group.united.mesh = group.part;
+    group.united.sources.resize(group.faces.size());
+    std::iota(group.united.sources.begin(), group.united.sources.end(), 0U);
+  }
 
   /// Returns whether the groups that are sheets, which have some area, may bound a solid together.
   bool mayBoundSolid(double area) const {
