@@ -185,7 +185,7 @@ struct Repaired {
   Mesh mesh = {};
   RepairReport report = {};
   /// Given triangle that each triangle of `mesh` is, or is a part of; `kNoTriangle` for those that were
-  /// added. Empty if the triangles were made from the field or simplified.
+  /// added. Empty if all triangles were made from the field or simplified.
   std::vector<uint32_t> faceSource = {};
   Mesh cutOff = {};  ///< The part that `RepairOptions::cutPlane` removes, closed as the result is.
   std::vector<uint32_t> cutOffSource = {};  ///< The same as `faceSource` for `cutOff`.
