@@ -21,8 +21,9 @@ class Slabs {
       : mesh_(mesh), axis_(axis) {
     for (const uint32_t face : faces)
       low_ = std::min(low_, lowOf(face)), high_ = std::max(high_, highOf(face));
-    width_ = std::max(gap / kSlabsPerGap, double(high_ - low_) / kMostSlabs);
-    changes_.resize(high_ > low_ ? size_t((high_ - low_) / width_) + 2 : 2);
+    if (faces.empty()) return;
+    width_ = std::max(gap / kSlabsPerGap, (double(high_) - low_) / kMostSlabs);
+    changes_.resize(slabOf(high_) + 2);
     for (const uint32_t face : faces) ++changes_[slabOf(lowOf(face))], --changes_[slabOf(highOf(face)) + 1];
   }
 

@@ -2,7 +2,9 @@
 #include <raymap/repair.h>
 
 #include <algorithm>
+#include <cmath>
 #include <numbers>
+#include <random>
 #include <set>
 
 #include "closed_mesh.h"
@@ -93,6 +95,20 @@ TEST(GroupsApart, AreDividedBySlabs) {
   EXPECT_EQ(sizes(0.7), (std::vector<size_t>{12, 12, 24}));
   EXPECT_EQ(sizes(1.2), (std::vector<size_t>{48}));
   EXPECT_EQ(groupsApart(Mesh{}, 1.0).size(), 1u);
+}
+
+TEST(GroupsApart, HaveRoomForTheirLastSlab) {
+  // The difference of the bounds is rounded down in single precision, to the begin of the last slab.
+  std::mt19937 random(3);
+  for (int turn = 0; turn < 200; ++turn) {
+    const float low = std::ldexp(float(random()), -30), high = low + std::ldexp(float(random()), -31);
+    Mesh mesh;
+    mesh.vertices = {{low, 0, 0}, {high, 0, 0}, {low, 1, 0}};
+    mesh.triangles = {{0, 1, 2}};
+    const double exact = double(high) - double(low);
+    EXPECT_EQ(groupsApart(mesh, exact / 1000.0 * 8.0).size(), 1u);
+    EXPECT_EQ(groupsApart(mesh, exact / 1e9).size(), 1u);
+  }
 }
 
 TEST(GroupsApart, AreInTheOrderOfTheirFirstFaces) {
