@@ -222,7 +222,7 @@ class InPlaceOfTheImporter {
   TemporaryFile file_;
 };
 
-/// What an importer sends of two triangles with attributes.
+/// A stream of the importer: two triangles with attributes.
 struct Sent {
   MeshHeader header{.vertices = 4, .triangles = 2, .runs = 2, .parts = 1, .materials = 1, .nameBytes = 5};
   std::vector<MeshRun> runs{{1, 0, MeshRun::kNone, 1, 0}, {1, MeshRun::kNone, 0, 0, 1}};

@@ -15,9 +15,9 @@ struct FilledHoles {
 /// Appends faces that close all holes of a mesh whose equal positions are one vertex. Each hole gets the
 /// triangulation of its rim whose sharpest edge is least sharp, and the least area among those (Liepa 2003).
 /// Holes end at edges that faces use more often in one direction than in the other, so no such edge is left.
-/// Of a rim with more than 300 edges, about 150 vertices are joined in this way first; then each of these
-/// faces is replaced by those that fill the rim through all vertices between its corners. The new faces may
-/// cross others.
+/// A rim with more than 300 edges is filled in two steps. First, faces join about 150 of its vertices. Then
+/// the rim through all vertices between the corners of each of these faces is filled in its place. The new
+/// faces may cross others.
 FilledHoles fillHoles(Mesh& mesh);
 
 }  // namespace raymap
