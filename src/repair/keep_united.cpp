@@ -3,7 +3,6 @@
 #include <numeric>
 #include <utility>
 
-#include "api/field_warnings.h"
 #include "mesh/compact.h"
 #include "mesh/diagnostics.h"
 #include "mesh/groups_apart.h"
